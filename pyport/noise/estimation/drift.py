@@ -204,7 +204,7 @@ def draft(
         scale,
         chance / chance.sum(),
         grid,
-        float(likelihood.dof),
+        float(likelihood.spare),
         "replicates" if count.max() > 1 else "reml",
     )
 

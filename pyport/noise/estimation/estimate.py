@@ -31,7 +31,7 @@ from pyport.noise.estimation.drift import (
 from pyport.noise.estimation.first import LEAST, fitted, taken_out
 from pyport.noise.estimation.frame import Frame, floors_of
 from pyport.noise.estimation.likelihood import Departing
-from pyport.noise.estimation.pooling import moderated
+from pyport.noise.estimation.pooling import pooled
 from pyport.noise.series import Noise, Possible, Series
 from pyport.thresholds import (
     ENOUGH_SQUARES,
@@ -94,13 +94,13 @@ def estimate(
     if averaged:
         reach[-1] = BEYOND
     starts: Sequence[int | None] = [None] * len(parts) if like is None else like.starts
-    drifts = _Drifts(value, residual, columns, given, floors, grid)
+    drifts = _Drifts(value, design, residual, columns, given, floors, grid)
     for beyond in reach:
         found = departures.estimate(covariance, value, wide, given.possible)
         covariance = replace(covariance, departures=found, possible=given.possible)
         drafts = [drifts.drafted(covariance, beyond, n, start) for n, start in enumerate(starts)]
         starts = [one.best for one in drafts]
-        noises = drifts.noises(drafts, averaged=averaged)
+        noises = drifts.noises(drafts, covariance.weights, averaged=averaged)
         covariance = replace(covariance, noises=tuple(noises), starts=tuple(starts))
         if like is None:
             covariance = _scattered(covariance, value, wide, given, floors)
@@ -114,11 +114,12 @@ def estimate(
 class _Drifts:
     """What the drift of each series is estimated from.
 
-    The data and the residuals of readings [rad], shape (m,), the columns fitted in each series,
-    and the drifts that are tried.
+    The data and the residuals of readings [rad], shape (m,), the columns fitted to all, (m, p), and
+    in each series, and the drifts that are tried.
     """
 
     value: Array
+    design: Array
     residual: Array
     columns: Sequence[Array]
     given: Frame
@@ -143,8 +144,11 @@ class _Drifts:
             beyond,
         )
 
-    def noises(self, drafts: Sequence[Draft], *, averaged: bool) -> list[Noise]:
-        """Return the noise of each series, every drift as likely as it is, or the likeliest."""
+    def noises(self, drafts: Sequence[Draft], weights: Array, *, averaged: bool) -> list[Noise]:
+        """Return the noise of each series, every drift as likely as it is, or the likeliest.
+
+        `weights`: robust ones of all readings, shape (m,).
+        """
         parts = self.given.parts
         chances = [beside(drafts, parts, n) for n in range(len(parts))]
         if not averaged:
@@ -153,7 +157,7 @@ class _Drifts:
             replace(one.noise(chance, self.floors[part.is_y]), centred=self.given.centred)
             for one, chance, part in zip(drafts, chances, parts, strict=True)
         ]
-        return moderated(noises, parts)
+        return pooled(noises, parts, self.value, self.design, weights)
 
 
 def _white(given: Frame, weights: Array, residual: Array, floors: dict[bool, float]) -> Covariance:

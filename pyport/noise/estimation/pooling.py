@@ -1,4 +1,9 @@
-"""What the antennas of an array have in common: a scatter known from little is drawn toward it."""
+"""Scatter that is known from little or nothing: it is drawn toward what others have.
+
+An axis of few readings to spare has what the model leaves of both, if that is more: its columns
+may go right through it, and it would outvote the other. An antenna of few readings has nearly
+the scatter of its array.
+"""
 
 from __future__ import annotations
 
@@ -7,8 +12,41 @@ from dataclasses import replace
 
 import numpy as np
 
+from pyport.angles import Array
+from pyport.least_squares.gram import spanned
 from pyport.noise.series import Noise, Series
-from pyport.thresholds import ENOUGH_ANTENNAS, PRIOR_DOF
+from pyport.thresholds import ENOUGH_ANTENNAS, FEWEST, PRIOR_DOF
+
+
+def pooled(
+    noises: Sequence[Noise],
+    parts: Sequence[Series],
+    value: Array,
+    design: Array,
+    weight: Array,
+) -> list[Noise]:
+    """Return noises that are known from some deviations each: see the module.
+
+    `value`, `design`, `weight`: the data of all readings [rad], shape (m,), the model's columns,
+    (m, P), and robust weights, (m,).
+    """
+    found = list(noises)
+    few = [n for n, noise in enumerate(noises) if noise.dof < FEWEST]
+    for antenna in dict.fromkeys(parts[n].antenna for n in few):
+        rows = np.concatenate([part.rows for part in parts if part.antenna == antenna])
+        root = np.sqrt(weight[rows])
+        basis = spanned(root[:, None] * design[rows][:, design[rows].any(axis=0)])[0]
+        left = root * value[rows]
+        left = left - basis @ (basis.T @ left)
+        spare = max(1.0, float(weight[rows].sum()) - basis.shape[1])
+        variance = float(left @ left) / spare
+        for n in few:
+            if parts[n].antenna == antenna:
+                between = float(
+                    np.sqrt(max(variance - found[n].within ** 2, found[n].between ** 2))
+                )
+                found[n] = replace(found[n], between=between, dof=spare)
+    return moderated(found, parts)
 
 
 def moderated(noises: Sequence[Noise], parts: Sequence[Series]) -> list[Noise]:
