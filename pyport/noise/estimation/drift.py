@@ -204,7 +204,7 @@ def draft(
         scale,
         chance / chance.sum(),
         grid,
-        float(likelihood.spare),
+        float(likelihood.dof),
         "replicates" if count.max() > 1 else "reml",
     )
 

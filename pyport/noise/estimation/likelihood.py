@@ -45,14 +45,9 @@ class Likelihood:
     faint: Array
 
     @property
-    def spare(self) -> int:
-        """Return by how many the readings outnumber the columns of the design, 0 where not."""
-        return max(0, len(self.variance) - self.columns.full.shape[1] + 1)
-
-    @property
     def dof(self) -> int:
         """Return the deviations that tell of the noise."""
-        return max(1, self.spare)
+        return max(1, len(self.variance) - self.columns.full.shape[1] + 1)
 
     def at(self, drifts: Sequence[tuple[float, float]]) -> tuple[float, float]:
         """Return minus twice the log-likelihood and the scale, for drifts of unit scatter."""

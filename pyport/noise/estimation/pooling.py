@@ -7,6 +7,7 @@ the scatter of its array.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -31,7 +32,8 @@ def pooled(
     (m, P), and robust weights, (m,).
     """
     found = list(noises)
-    few = [n for n, noise in enumerate(noises) if noise.dof < FEWEST]
+    axes = Counter(part.antenna for part in parts)
+    few = [n for n, part in enumerate(parts) if noises[n].dof < FEWEST and axes[part.antenna] > 1]
     for antenna in dict.fromkeys(parts[n].antenna for n in few):
         rows = np.concatenate([part.rows for part in parts if part.antenna == antenna])
         root = np.sqrt(weight[rows])
@@ -42,10 +44,8 @@ def pooled(
         variance = float(left @ left) / spare
         for n in few:
             if parts[n].antenna == antenna:
-                between = float(
-                    np.sqrt(max(variance - found[n].within ** 2, found[n].between ** 2))
-                )
-                found[n] = replace(found[n], between=between, dof=spare)
+                between = max(variance - found[n].within ** 2, found[n].between ** 2)
+                found[n] = replace(found[n], between=float(np.sqrt(between)), dof=spare)
     return moderated(found, parts)
 
 
