@@ -2,7 +2,7 @@
 
 Readings of one pointing share its error. Were they taken for several pointings, telling a
 measurement twice would make it surer. So do exposures that follow one another while the telescope
-tracks, where no column says which of them are of one source.
+tracks, where nothing says which of them are of one source.
 """
 
 from __future__ import annotations
@@ -38,10 +38,9 @@ def pointings(recordings: Recordings) -> Codes:
     height = np.where(known, 0.0, np.round(at.el / SAME_TIMELESS))
     order = np.lexsort((at.el, at.az, height, clock, code))
     start = _starts(code[order], clock[order], at.az[order], at.el[order], reach[order])
-    if "source" not in at:
-        turned = at.side if at.mount.turns_over else np.zeros(len(at))
-        alone = np.where(known, turned, np.nan)[order]
-        start = _visits(start, code[order], clock[order], at.az[order], at.el[order], alone)
+    turned = at.side if at.mount.turns_over else np.zeros(len(at))
+    alone = np.where(known & (recordings.label("source") == ""), turned, np.nan)[order]
+    start = _visits(start, code[order], clock[order], at.az[order], at.el[order], alone)
     first = order[start]
     keys = np.stack([code[first], at.az[first], at.el[first], clock[first]], axis=1)
     found = np.empty(len(at), np.intp)
@@ -90,7 +89,7 @@ def _visits(start: Codes, code: Codes, clock: Array, az: Array, el: Array, side:
     """Return where in their order the visit of each row starts, from where its pointing does.
 
     A visit goes on while nothing moves by more than the sky turns, in time and on one `side` of the
-    pier; NaN where no time is known.
+    pier; NaN where no time is known, or a source is.
     """
     first = np.unique(start)
     before, after = first[:-1], first[1:]

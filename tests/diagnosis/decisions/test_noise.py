@@ -789,11 +789,13 @@ def test_exposures_of_a_star_without_a_slew_are_one_pointing(exposures, step_s, 
 def test_exposures_of_named_sources_are_pointings_of_their_own():
     """What they share is the source's; each session and each scan direction is by itself."""
     named = tracked(3, source=np.repeat(np.arange(20).astype(str), 3))
+    blank = tracked(3, source=np.repeat(["star", *[""] * 19], 3))
     scanned = tracked(4, scan_direction=np.tile([1.0, -1.0], 40))
     parted = tracked(3, stars=1, session=np.array(["one", "one", "two"]))
 
     assert len(np.unique(pointings(parted))) == 2
     assert len(np.unique(pointings(named))) == 60
+    assert len(np.unique(pointings(blank))) == 3 + 19
     assert len(np.unique(pointings(scanned))) == 40
 
 
