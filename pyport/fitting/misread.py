@@ -23,7 +23,7 @@ from pyport.least_squares.gram import spanned
 from pyport.models.model import Model
 from pyport.noise.pointings import pointings
 from pyport.recordings.schema import Recordings, Stack, group, stack
-from pyport.thresholds import MOSTLY, OUT_OF_REACH
+from pyport.thresholds import MOSTLY, NAME_PRICE, OUT_OF_REACH
 
 
 @dataclass(frozen=True)
@@ -96,7 +96,8 @@ def misread(
     """Return how a file may have been misread, None where no other reading fits much better.
 
     Readings are compared by the likelihood of Laplace's distribution of either axis, that of a
-    reading by the model alone with that of the model and all effects as the file stands.
+    reading by the model alone with that of the model and all effects as the file stands. Each thing
+    that is read otherwise costs what a name does.
 
     Parameters
     ----------
@@ -113,7 +114,7 @@ def misread(
     if len(np.unique(recordings.label("antenna"))) > 1 or not len(numbers.rows):
         return None
     (as_it_stands, *_), *others = _refitted(recordings, model, refit, numbers)
-    misfit, words, left, scale = min(others, key=lambda one: one[0])
+    misfit, words, left, scale = min(others, key=lambda one: one[0] + NAME_PRICE * len(one[1]))
     if misfit > min(as_it_stands, numbers.misfit_of(named)) - OUT_OF_REACH:
         return _of_given(recordings, model, numbers)
     if every is not None and misfit > numbers.misfit_of(every):

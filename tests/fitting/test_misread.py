@@ -76,6 +76,15 @@ def test_the_reading_that_is_right_is_named(wrong, words):
     assert words in said(wrong(recordings(300, 3)))
 
 
+def test_one_error_is_named_before_two():
+    """A second one has to make the file much likelier, as a second name in a diagnosis does."""
+    counted = recordings(60, 3)
+    found = of_fit(fit(replace(counted, at=replace(counted.at, az=-counted.at.az)), ALTAZ))
+
+    assert len(found.words) == 1
+    assert "opposite sense" in found.words[0]
+
+
 def test_offsets_are_held_against_a_model_that_is_not_refitted():
     """Of the other sign, or measured with that model in use."""
     measured = recordings(300, 8)
