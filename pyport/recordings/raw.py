@@ -61,6 +61,8 @@ REFRACTION = "tpoint_refraction"
 #: Times outside are another count of days or of seconds than was thought.
 EARLIEST_S, LATEST_S = (datetime(year, 1, 1, tzinfo=UTC).timestamp() for year in (1950, 2100))
 SINCE = "between 1950 and 2100"
+#: Times that are counted: when it was 1970, and seconds in each.
+COUNTED = {"mjd": (40587.0, 86400.0), "jd": (2440587.5, 86400.0), "unix": (0.0, 1.0)}
 
 #: Microseconds that a double holds exactly reach this far from 1970.
 _EXACT_US = 2**53
@@ -269,7 +271,9 @@ class Raw:
             try:
                 seconds[row] = seconds_of(cell)
             except ValueError:
-                raise self.error(f"{name} is {cell!r}, expected {a_time(cell)}", row) from None
+                raise self.error(
+                    f"{name} is {cell!r}, expected {a_time(cell, name)}", row
+                ) from None
         return seconds
 
     def hours(self, name: str) -> Array:
@@ -328,10 +332,19 @@ def _instant(text: str) -> datetime:
     return datetime.fromisoformat(text)
 
 
+_NUMBER = re.compile(r"\d+(\.\d*)?")
+#: From 1973 on: smaller numbers count no seconds since 1970.
+_COUNTED_S = 1e8
+
+
 def a_time(instead: str) -> str:
     """Return what was expected instead of a text that is no time."""
-    order = ": day and month could be exchanged" if "/" in instead else ""
-    return f"ISO 8601 such as 2003-06-01T18:37:12Z{order}"
+    more = ": day and month could be exchanged" if "/" in instead else ""
+    if _NUMBER.fullmatch(instead):
+        for part, (of_1970, unit) in COUNTED.items():
+            if _COUNTED_S <= unit * (float(instead) - of_1970) < LATEST_S:
+                more = f" (--columns '...|{part}' reads such numbers)"
+    return f"ISO 8601 such as 2003-06-01T18:37:12Z{more}"
 
 
 _COLONS = re.compile(r"([-+]?)(\d{1,3}):([0-5]?\d)(?::([0-5]?\d(?:\.\d*)?))?")

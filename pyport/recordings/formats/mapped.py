@@ -14,6 +14,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -47,6 +48,7 @@ from pyport.recordings.formats.cells import (
 from pyport.recordings.formats.sheet import Sheet, sheet
 from pyport.recordings.formats.text import read_text
 from pyport.recordings.raw import (
+    COUNTED,
     EARLIEST_S,
     LATEST_S,
     SINCE,
@@ -62,7 +64,6 @@ from pyport.toml_text import toml_spelled
 REST = "..."
 _FORMAT = re.compile(r"\([^()]*\)$")
 _DATE = re.compile(r"\d{4}-\d{2}-\d{2}")
-_MJD_OF_1970, _JD_OF_1970 = 40587.0, 2440587.5
 
 
 def read(path: Path, columns: Mapping[str, str]) -> Raw:
@@ -194,7 +195,8 @@ def _negated(text: str) -> str:
     return text[1:] if text.startswith("-") else f"-{text.lstrip('+')}" if float(text) else text
 
 
-def _moment(seconds: float) -> str:
+def _moment(of_1970: float, unit: float, text: str) -> str:
+    seconds = unit * (float(text) - of_1970)
     if not EARLIEST_S <= seconds < LATEST_S:
         raise ValueError(seconds)
     return datetime.fromtimestamp(seconds, UTC).isoformat().replace("+00:00", "Z")
@@ -203,9 +205,7 @@ def _moment(seconds: float) -> str:
 #: What can be taken of a column.
 PARTS: dict[str, Callable[[str], str]] = {
     "date": _date,
-    "mjd": lambda text: _moment((float(text) - _MJD_OF_1970) * 86400),
-    "jd": lambda text: _moment((float(text) - _JD_OF_1970) * 86400),
-    "unix": lambda text: _moment(float(text)),
+    **{part: partial(_moment, *counted) for part, counted in COUNTED.items()},
     "dms": lambda text: repr(sexagesimal(text)),
 }
 #: What is expected of the column then.
