@@ -271,9 +271,7 @@ class Raw:
             try:
                 seconds[row] = seconds_of(cell)
             except ValueError:
-                raise self.error(
-                    f"{name} is {cell!r}, expected {a_time(cell, name)}", row
-                ) from None
+                raise self.error(f"{name} is {cell!r}, expected {a_time(cell)}", row) from None
         return seconds
 
     def hours(self, name: str) -> Array:

@@ -189,9 +189,21 @@ def test_look_proposes_no_time_that_is_refused(tmp_path, name, cell, said):
         ("time_utc=t", "1858-11-17", "a time between 1950 and 2100"),
         ("time_utc=t", "2024.367.18:00:00", "ISO 8601"),
         ("time_utc=t", "2024.001", "ISO 8601 such as 2003-06-01T18:37:12Z"),
-        ("time_utc=t", "60310.75", "Z (--columns '...|mjd' reads such numbers)"),
-        ("time_utc=t", "2460311.25", "Z (--columns '...|jd' reads such numbers)"),
-        ("time_utc=t", "1704132000", "Z (--columns '...|unix' reads such numbers)"),
+        (
+            "time_utc=t",
+            "60310.75",
+            "ISO 8601 such as 2003-06-01T18:37:12Z (--columns '...|mjd' reads such numbers)",
+        ),
+        (
+            "time_utc=t",
+            "2460311.25",
+            "ISO 8601 such as 2003-06-01T18:37:12Z (--columns '...|jd' reads such numbers)",
+        ),
+        (
+            "time_utc=t",
+            "1704132000",
+            "ISO 8601 such as 2003-06-01T18:37:12Z (--columns '...|unix' reads such numbers)",
+        ),
         ("date_utc=t, ut_h=u", "2024-01-01", "hours or h:m:s"),
     ],
 )
