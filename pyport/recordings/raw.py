@@ -212,7 +212,7 @@ class Raw:
             values = cells.astype(float)
         else:
             try:
-                values = np.array([float(cell or "nan") for cell in cells.tolist()])
+                values = np.array([_number(cell or "nan") for cell in cells.tolist()])
             except (TypeError, ValueError):
                 values = self._numbers_one_by_one(name)
         self.refuse(np.isinf(values), f"{name} is infinite, expected a number or blank")
@@ -223,7 +223,7 @@ class Raw:
         values = np.full(len(self.line), np.nan)
         for row, cell in enumerate(self.words(name).tolist()):
             try:
-                values[row] = float(cell or "nan")
+                values[row] = _number(cell or "nan")
             except ValueError:
                 wanted = "a number or blank"
                 if "," in cell:
@@ -328,6 +328,13 @@ def _instant(text: str) -> datetime:
         month = int(number) if number else 1 + _MONTHS.index(name.lower())
         text = f"{year}-{month:02d}-{int(date):02d}{clock}"
     return datetime.fromisoformat(text)
+
+
+def _number(text: Any) -> float:  # noqa: ANN401 - text, or what a table holds
+    """Return a cell as a number; Python reads 1_0 and the digits of every script besides."""
+    if isinstance(text, str) and ("_" in text or not text.isascii()):
+        raise ValueError(text)
+    return float(text)
 
 
 _NUMBER = re.compile(r"\d+(\.\d*)?")

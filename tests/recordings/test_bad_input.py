@@ -22,6 +22,8 @@ CASES = {
     "no_offset": ("az_deg,el_deg\n1,2\n", 1, "no offset column"),
     "no_position": ("az_deg,d_el_deg\n1,2\n", 1, "no columns az_deg and el_deg"),
     "not_a_number": (GOOD + "1,2,3\n1,2,three\n", 3, "'three', expected a number"),
+    "an_underscore": (GOOD + "1,2,3\n1,2,1_0\n", 3, "'1_0', expected a number"),
+    "other_digits": (GOOD + "1,2,3\n1,2,\u0661\n", 3, "expected a number"),
     "infinite": (GOOD + "1,2,inf\n", 2, "infinite"),
     "azimuth": (GOOD + "1,2,3\n1e9,2,3\n", 3, "azimuth outside +-720"),
     "beyond_the_zenith": (
