@@ -163,10 +163,10 @@ DEPARTURE_WORTH = 1.0
 
 # Oscillations.
 
-#: [s] Shortest period of an oscillation. Two thirds of the half hour from which servos and air
-#: conditioners are expected. Smaller: what happens within a few pointings is claimed as periodic.
-#: Larger: servos that hunt go unfound.
-SHORTEST_PERIOD_S = 1200.0
+#: [s] Shortest period of an oscillation. The worm of an equatorial drive turns once in four to ten
+#: minutes, servos and air conditioners are slower. Smaller: what happens within a few pointings is
+#: claimed as periodic. Larger: worms go unfound.
+SHORTEST_PERIOD_S = 200.0
 #: [median steps between readings] Shortest period where readings are rare. Two show a wave at
 #: all, and a third shows that it is one. Smaller: what alternates from one reading to the next is
 #: a period. Larger: periods go unfound where readings are rare.

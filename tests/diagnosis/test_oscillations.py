@@ -186,6 +186,19 @@ def test_where_no_period_could_be_seen(columns):
     assert scans.scan_of(problem, reversing=False) is None
 
 
+def test_a_worm_that_turns_in_eight_minutes_is_found():
+    """In ninety stars of two hours, its size and period stated."""
+    rng = np.random.default_rng(8)
+    time = 1.2e9 + np.cumsum(rng.uniform(60, 105, 90))
+    worm = 10 * np.sin(2 * np.pi * time / 480.0)
+    given = recordings(90, 8, time=time, session=np.array(["night"] * 90))
+    given = replace(given, x=given.x + worm * np.cos(given.at.el) * ARCSEC)
+    (found,) = diagnose(given, load("altaz")).findings
+
+    assert (found.verdict, found.effect) == ("named", OSCILLATION)
+    assert float(found.variant.split()[1]) == pytest.approx(8.0, rel=0.02)
+
+
 def test_a_single_session_holds_two_periods():
     """A longer one is a drift."""
     night = np.array(["night"] * 480)

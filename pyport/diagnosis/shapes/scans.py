@@ -144,7 +144,9 @@ def scan_of(problem: Problem, *, reversing: bool) -> Scan | None:
     np.minimum.at(begin, session, time)
     np.maximum.at(end, session, time)
     length = end - begin
-    moments = np.diff(np.unique(time))
+    # Exposures of one visit tell of one moment.
+    moments = np.diff(np.sort(time[np.unique(problem.pointing, return_index=True)[1]]))
+    moments = moments[moments > 0]
     step = float(np.median(moments)) if len(moments) else 0.0
     shortest = max(SHORTEST_PERIOD_S, SHORTEST_STEPS * step)
     longest = float(np.median(length)) / (1.0 if len(length) > 1 else PERIODS_ALONE)

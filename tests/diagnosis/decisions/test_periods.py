@@ -26,6 +26,7 @@ def observed(hours, step_s=60.0, sessions=1):
         recordings=SimpleNamespace(at=Columns(len(time), time=time)),
         stack=SimpleNamespace(row=rows, is_y=rows < 0),
         blocks=ONE_ANTENNA,
+        pointing=rows,
         session=np.repeat(np.arange(sessions), len(within)),
     )
 
@@ -36,20 +37,28 @@ def scanned(*args, **options):
 
 
 @pytest.mark.parametrize(
-    ("step_s", "shortest_s"), [(60, 1200), (300, 1200), (400, 1200), (420, 1260), (600, 1800)]
+    ("step_s", "shortest_s"), [(20, 200), (60, 200), (70, 210), (420, 1260), (600, 1800)]
 )
-def test_the_shortest_period_is_twenty_minutes_or_three_steps(step_s, shortest_s):
+def test_the_shortest_period_is_that_of_a_worm_or_three_steps(step_s, shortest_s):
     """Whichever is longer; sessions are long enough for either."""
     assert scanned(12, step_s).shortest == pytest.approx(shortest_s)
 
 
+def test_exposures_of_one_visit_are_one_moment():
+    """Three of a star within a minute show no wave of three exposures."""
+    problem = observed(12, 100.0)
+    problem.pointing = np.arange(len(problem.session)) // 3
+
+    assert scans.scan_of(problem, reversing=False).shortest == pytest.approx(900)
+
+
 @pytest.mark.parametrize(
     ("hours", "sessions", "longest_h"),
-    [(1.3, 1, None), (1.4, 1, 0.7), (8, 1, 4), (12, 1, 6), (0.6, 4, None), (8, 4, 8)],
+    [(0.2, 1, None), (0.25, 1, 0.125), (8, 1, 4), (12, 1, 6), (0.1, 4, None), (8, 4, 8)],
 )
 def test_a_single_session_holds_two_periods(hours, sessions, longest_h):
     """Of several each may hold one; nothing is looked for below twice the shortest period."""
-    scan = scanned(hours, sessions=sessions)
+    scan = scanned(hours, 10.0, sessions=sessions)
 
     assert (scan and scan.longest) == (longest_h and pytest.approx(longest_h * HOUR))
 
@@ -92,7 +101,7 @@ def test_a_wandering_wave_has_one_line(direction_deg):
 
     assert best.direction_deg == direction_deg
     assert best.period == pytest.approx(HOUR, rel=0.05)
-    assert best.choices == pytest.approx(8 * 10 * np.log(8 * HOUR / 1200), abs=4)
+    assert best.choices == pytest.approx(8 * 10 * np.log(8 * HOUR / 200), abs=4)
     # Where nothing swings, the smallest size costs least: two amplitudes in each of four nights.
     (nothing,) = periods.peaks_of(both, [replace(flat, pull=0 * wave)])
     lost = next(one for one in nothing if one.wanders).evidence
@@ -132,7 +141,7 @@ def test_a_wandering_period_is_another_from_a_tenth_on(hours):
     )
     (found,) = periods.peaks_of(scan, [flat])
 
-    choices = 10 * np.log(hours * HOUR / 2 / 1200)
+    choices = 10 * np.log(hours * HOUR / 2 / 200)
     assert next(one for one in found if one.wanders).choices == pytest.approx(choices, abs=0.5)
 
 
