@@ -187,12 +187,16 @@ class Problem:
         nights, drifts and sources do, and such an effect has to stand out of that. So has one that
         begins anew with each session, as a drift may.
         """
-        lasting = [
+        return self.shown_by(self.lasting)
+
+    @property
+    def lasting(self) -> list[Candidate]:
+        """Return the candidates that neither change with time nor belong to sources."""
+        return [
             one
             for one in self.candidates
             if not (confounded(self, one.effect) or one.effect.begins_anew)
         ]
-        return self.shown_by(lasting)
 
     def shown_by(self, candidates: Sequence[Candidate]) -> tuple[Array, ...]:
         """Return for each series the columns of candidates that are not empty in it."""

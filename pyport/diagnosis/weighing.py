@@ -20,13 +20,12 @@ from pyport.diagnosis.case import Chosen, Problem, measurements
 from pyport.diagnosis.evidence import Evidence, Projection
 from pyport.diagnosis.trial import at_best, shown
 from pyport.least_squares.gram import spanned
-from pyport.least_squares.robust import Refit
 from pyport.noise import common_mode
 from pyport.noise.covariance import Covariance
 from pyport.noise.estimation.estimate import estimate, reweighed
 from pyport.noise.series import Noise
 from pyport.runs.stages import stage
-from pyport.thresholds import ENOUGH_ANTENNAS
+from pyport.thresholds import ENOUGH_ANTENNAS, VISIBLE
 
 DRAWS = 300
 
@@ -176,11 +175,16 @@ def _common_excess(
     """Return how much more scans scatter in common than independent antennas would."""
     if problem.blocks.antennas < ENOUGH_ANTENNAS:
         return common_mode.Excess()
-    columns = problem.expanded(fitted, of=white)
-    left = Refit(columns, white[:, -1]).residual(np.ones(len(white)))
-    means = covariance.means
-    one = covariance.whiten(np.ones((len(problem.residual), 1)))[means, 0]
-    return common_mode.excess(left[means], one, white[means, :-1], problem.scan)
+    model = spanned(problem.expanded(fitted, of=white))[0]
+    candidates = problem.lasting
+    columns = [np.zeros(0, np.intp), *(one.columns for one in candidates)]
+    data = white[:, np.append(np.concatenate(columns), len(white.T) - 1)]
+    left = data - model @ (model.T @ data)
+    shown = np.linalg.norm(left, axis=0) > VISIBLE * np.linalg.norm(data, axis=0)
+    left = (left * shown)[covariance.means]
+    explained = np.split(left[:, :-1], np.cumsum([len(one) for one in columns[1:]])[:-1], axis=1)
+    offset = covariance.whiten(np.ones((len(problem.residual), 1)))[covariance.means, 0]
+    return common_mode.excess(left[:, -1], offset, explained, problem.scan)
 
 
 @dataclass(frozen=True)

@@ -7,16 +7,15 @@ antennas there are, so its evidence is divided by what the shared part adds.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from pyport.angles import Array, Codes
-from pyport.least_squares.robust import most_different
+from pyport.least_squares.gram import spanned
 from pyport.thresholds import ENOUGH_ANTENNAS, FEWEST, PER_SHAPE
 
-#: A curve that keeps less of its length beside others is none of its own.
-DIFFERENT = 1e-3
 #: The median of the square of a standard normal number.
 _MEDIAN_SQUARE = 0.4549364231195724
 
@@ -33,8 +32,11 @@ class Excess:
     dof: float = np.inf
 
 
-def excess(left: Array, weight: Array, shapes: Array, scan: Codes) -> Excess:
+def excess(left: Array, weight: Array, explained: Sequence[Array], scan: Codes) -> Excess:
     """Return how much more scans scatter in common than independent antennas would.
+
+    Beside whatever explains most of that: noise is what is left of the best explanation. Beside
+    the model alone an effect of all antennas would be a noise that hides it.
 
     Parameters
     ----------
@@ -43,8 +45,8 @@ def excess(left: Array, weight: Array, shapes: Array, scan: Codes) -> Excess:
     weight
         What one radian of a common offset does to each of them (one over its
         scatter), shape (m,), zero where there is none.
-    shapes
-        Whitened columns of every candidate, shape (m, K).
+    explained
+        Whitened columns of each candidate beside the model, shape (m, k).
     scan
         The scan of each, shape (m,).
     """
@@ -55,21 +57,18 @@ def excess(left: Array, weight: Array, shapes: Array, scan: Codes) -> Excess:
     if len(scans) < FEWEST:
         return Excess()
     size = np.sqrt(total[scans])
-    mean = np.bincount(scan[there], (left * weight)[there])[scans] / size
-    drawn = np.stack(
-        [np.bincount(scan[there], (c * weight)[there])[scans] for c in shapes.T], axis=1
-    )
-    curves = _directions(drawn / size[:, None], len(scans) // PER_SHAPE)
-    rest = mean - curves @ (curves.T @ mean)
-    spare = len(scans) - curves.shape[1]
-    typical = float(np.median(rest**2)) / _MEDIAN_SQUARE * len(scans) / spare
-    return Excess(max(1.0, typical), float(spare))
 
+    def in_common(values: Array) -> Array:
+        return np.bincount(scan[there], (values * weight)[there])[scans] / size
 
-def _directions(curves: Array, room: int) -> Array:
-    """Return up to `room` orthonormal directions that the curves span, the most different first."""
-    length = np.linalg.norm(curves, axis=0)
-    kept = length > 1e-9 * max(float(length.max(initial=0)), 1e-300)
-    if not kept.any() or room == 0:
-        return np.zeros((len(curves), 0))
-    return most_different(curves[:, kept] / length[kept], room, DIFFERENT)
+    mean, least = in_common(left), Excess(np.inf)
+    for columns in (np.zeros((len(left), 0)), *explained):
+        drawn = [in_common(one) for one in columns.T]
+        basis = spanned(np.stack([*drawn, np.zeros(len(scans))], axis=1)[:, : len(drawn)])[0]
+        if basis.shape[1] > len(scans) // PER_SHAPE:
+            continue
+        rest, spare = mean - basis @ (basis.T @ mean), len(scans) - basis.shape[1]
+        typical = float(np.median(rest**2)) / _MEDIAN_SQUARE * len(scans) / spare
+        if typical < least.factor:
+            least = Excess(typical, float(spare))
+    return replace(least, factor=max(1.0, least.factor))

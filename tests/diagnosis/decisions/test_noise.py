@@ -678,13 +678,13 @@ def test_four_antennas_have_a_usual_noise(antennas, drawn):
     assert (noisy(antennas)[0].between > 1.0) == drawn
 
 
-def shaken(antennas, scans, size=3.0, shapes=1):
+def shaken(antennas, scans, size=3.0):
     """Return the excess of an array that is shaken from scan to scan."""
     rng = np.random.default_rng(0)
     scan = np.repeat(np.arange(scans), antennas)
     left = rng.normal(size=len(scan)) + size * normal(scans)[scan]
-    columns = rng.normal(size=(scans, shapes))[scan]
-    return common_mode.excess(left, np.ones(len(scan)), columns, scan)
+    columns = rng.normal(size=(scans, 1))[scan]
+    return common_mode.excess(left, np.ones(len(scan)), [columns], scan)
 
 
 @pytest.mark.parametrize(
@@ -705,10 +705,27 @@ def test_a_common_mode_needs_four_antennas_and_eight_scans(antennas, scans, show
     assert (shaken(antennas, scans).factor > 1) == shown
 
 
-@pytest.mark.parametrize(("scans", "left"), [(40, 30), (80, 60)])
-def test_a_quarter_of_the_scans_goes_to_what_candidates_could_do(scans, left):
-    """Of shapes that could be found as many are taken out first."""
-    assert shaken(6, scans, shapes=70).dof == left
+def together(scans, shapes, others=0):
+    """Return the excess of six antennas that one of several effects of some shapes moves alike."""
+    rng = np.random.default_rng(1)
+    scan = np.repeat(np.arange(scans), 6)
+    effects = [rng.normal(size=(scans, shapes))[scan] for _ in range(1 + others)]
+    left = rng.normal(size=len(scan)) + 3 * effects[0].sum(axis=1)
+    return common_mode.excess(left, np.ones(len(scan)), effects, scan)
+
+
+@pytest.mark.parametrize(("shapes", "explains"), [(2, True), (10, True), (11, False)])
+def test_what_draws_more_than_a_quarter_of_the_scans_explains_nothing(shapes, explains):
+    """It would take the noise away."""
+    found = together(40, shapes)
+
+    assert (found.factor < 3) == explains
+    assert found.dof == 40 - shapes * explains
+
+
+def test_an_effect_of_all_antennas_is_no_noise_that_they_share():
+    """The excess is what is left beside the one of several that explains it."""
+    assert together(60, 2, others=4).factor == pytest.approx(1, abs=0.4)
 
 
 def test_the_common_mode_is_as_large_as_it_was_drawn():
@@ -815,8 +832,6 @@ def test_exposures_on_either_side_of_the_pier_are_two_visits():
 def test_what_nights_and_sources_do_is_noise_to_the_search(effect, projected):
     """A change, or a source's place, has to stand out of what the others do."""
     one = candidate(effect)
-    case = SimpleNamespace(
-        candidates=[one], blocks=SimpleNamespace(antennas=1), shown_by=lambda some: some
-    )
+    case = SimpleNamespace(candidates=[one], blocks=SimpleNamespace(antennas=1))
 
-    assert Problem.possible.func(case) == [one] * projected
+    assert Problem.lasting.fget(case) == [one] * projected
