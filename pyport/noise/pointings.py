@@ -10,7 +10,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.angles import DEG, HOUR, Array, Codes
+from pyport.angles import DEG, HOUR, Array, Codes, wrap
+from pyport.effects.sky.frame import SIDEREAL
 from pyport.recordings.schema import Recordings, group
 
 #: No telescope makes two pointings within a second, at nearly the same place.
@@ -20,8 +21,6 @@ SAME_TIMELESS = 0.001 * DEG
 #: Exposures without a slew between them are one visit of a place: so many at most, in so long [s].
 #: What is longer is a record of tracking.
 MOST_EXPOSURES, LONGEST_VISIT_S = 10, 300.0
-#: What the sky turns by [rad/s].
-SIDEREAL = 2 * np.pi / 86164.09
 
 
 def pointings(recordings: Recordings) -> Codes:
@@ -67,8 +66,7 @@ def _starts(code: Codes, clock: Array, az: Array, el: Array, reach: Array) -> Co
     rows = np.arange(len(code))
 
     def apart(some: Codes, others: Codes) -> NDArray[np.bool_]:
-        turn = np.abs((az[some] - az[others] + np.pi) % (2 * np.pi) - np.pi)
-        away = np.hypot(turn * np.cos(el[some]), el[some] - el[others]) > reach[some]
+        away = _away(az, el, some, others) > reach[some]
         late = np.abs(clock[some] - clock[others]) > SAME_S
         return np.asarray((code[some] != code[others]) | late | away)
 
@@ -85,6 +83,12 @@ def _starts(code: Codes, clock: Array, az: Array, el: Array, reach: Array) -> Co
     return start
 
 
+def _away(az: Array, el: Array, some: Codes, others: Codes) -> Array:
+    """Return how far some rows point from others, on the sky [rad]."""
+    across = wrap(az[some] - az[others]) * np.cos(el[some])
+    return np.hypot(across, el[some] - el[others])
+
+
 def _visits(start: Codes, code: Codes, clock: Array, az: Array, el: Array, side: Array) -> Codes:
     """Return where in their order the visit of each row starts, from where its pointing does.
 
@@ -93,9 +97,7 @@ def _visits(start: Codes, code: Codes, clock: Array, az: Array, el: Array, side:
     """
     first = np.unique(start)
     before, after = first[:-1], first[1:]
-    turn = np.abs((az[after] - az[before] + np.pi) % (2 * np.pi) - np.pi)
-    away = np.hypot(turn * np.cos(el[after]), el[after] - el[before])
-    tracks = away <= SIDEREAL * (clock[after] - clock[before]) + SAME_PLACE
+    tracks = _away(az, el, after, before) <= SIDEREAL * (clock[after] - clock[before]) + SAME_PLACE
     goes_on = tracks & (code[after] == code[before]) & (side[after] == side[before])
     visit = np.cumsum(np.concatenate([[True], ~goes_on])) - 1
     begins = np.flatnonzero(np.diff(visit, prepend=-1))
