@@ -153,9 +153,8 @@ def _walk(start: Outcome, tell: Callable[[str], None]) -> Outcome:
         # What a change competed with is what its name must be distinguished from.
         trials = (*winner.rivals, *trials)
         step = Step(trial, new, trials, beside, p_value, winner.price)
-        then = _settled(
-            replace(now, problem=problem), (*now.steps, step), joined(problem, chosen, new)
-        )
+        more = joined(problem, chosen, new)
+        then = _settled(replace(now, problem=problem, chosen=more, steps=(*now.steps, step)))
         if all(any(one is old for old in chosen) for one in then.chosen):
             return replace(now, p_value=first, last=trials)
         now = _exchanged(then, tell)
@@ -176,13 +175,13 @@ def _better_than(own: CandidateFit, _problem: Problem, _candidate: Candidate) ->
     return own.evidence + CONVINCING
 
 
-def _settled(now: Outcome, steps: tuple[Step, ...], chosen: tuple[Chosen, ...]) -> Outcome:
+def _settled(now: Outcome) -> Outcome:
     """Weigh with what is chosen, without what that has made idle; only its turns are kept."""
-    weighed = weigh(now.problem, chosen)
-    kept = without_idle(now.problem, weighed, chosen)
-    if len(kept) < len(chosen):
+    weighed = weigh(now.problem, now.chosen)
+    kept = without_idle(now.problem, weighed, now.chosen)
+    if len(kept) < len(now.chosen):
         weighed = weigh(now.problem, kept)
-    steps = tuple(step for step in steps if any(step.chosen is one for one in kept))
+    steps = tuple(step for step in now.steps if any(step.chosen is one for one in kept))
     return replace(now, chosen=kept, steps=steps, weighed=weighed)
 
 
@@ -209,11 +208,6 @@ def _exchanged(now: Outcome, tell: Callable[[str], None]) -> Outcome:
             continue
         trial, problem, new = better.trial, better.problem, better.chosen
         tell(f"{trial.candidate.effect.id} in place of {one.candidate.effect.id}")
-        old = now.step_of(one)
-        step = Step(trial, new, trials, beside, old.p_value, better.price)
-        now = _settled(
-            replace(now, problem=problem),
-            tuple(step if each is old else each for each in now.steps),
-            tuple(new if each is one else each for each in now.chosen),
-        )
+        turn = {"winner": trial, "trials": trials, "beside": beside, "price": better.price}
+        now = _settled(replace(now, problem=problem).exchanged(one, new, **turn))
     return now

@@ -139,12 +139,7 @@ def _of_families(outcome: Outcome) -> Outcome:
         best = likeliest(problem, outcome.others(one), members) if len(members) > 1 else one
         if best is not one:
             winner = next(each for each in same if each.candidate is best.candidate)
-            new = replace(step, winner=winner, chosen=best)
-            outcome = replace(
-                outcome,
-                chosen=tuple(best if each is one else each for each in outcome.chosen),
-                steps=tuple(new if each is step else each for each in outcome.steps),
-            )
+            outcome = outcome.exchanged(one, best, winner=winner)
     return outcome
 
 
@@ -155,14 +150,7 @@ def _of_moments(outcome: Outcome) -> Outcome:
         if not moved:
             continue
         best = likeliest(problem, outcome.others(one), [one, *moved])
-        outcome = replace(
-            outcome,
-            problem=problem,
-            chosen=tuple(best if each is one else each for each in outcome.chosen),
-            steps=tuple(
-                replace(each, chosen=best) if each.chosen is one else each for each in outcome.steps
-            ),
-        )
+        outcome = replace(outcome, problem=problem).exchanged(one, best)
     return outcome
 
 

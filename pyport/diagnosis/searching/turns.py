@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -169,3 +170,14 @@ class Outcome:
         """Return the end with something dropped, its turn too; nothing is weighed anew."""
         steps = tuple(step for step in self.steps if step.chosen is not one)
         return replace(self, chosen=self.others(one), steps=steps)
+
+    def exchanged(self, old: Chosen, new: Chosen, **turn: Any) -> Outcome:  # noqa: ANN401
+        """Return the end with one choice in place of another; nothing is weighed anew.
+
+        `turn`: what else becomes another in the turn of the old one, by the names of `Step`.
+        """
+        chosen = tuple(new if one is old else one for one in self.chosen)
+        steps = tuple(
+            replace(one, chosen=new, **turn) if one.chosen is old else one for one in self.steps
+        )
+        return replace(self, chosen=chosen, steps=steps)

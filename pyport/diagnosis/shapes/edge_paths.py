@@ -138,11 +138,10 @@ def _with_middle_edge(outcome: Outcome, old: Chosen, edge: FreeEdge) -> Outcome:
     )
     problem = problem.with_columns(columns)
     new = Chosen(candidate, old.scope, found.spread)
-    chosen = tuple(new if one is old else one for one in outcome.chosen)
-    steps = tuple(replace(one, chosen=new) if one.chosen is old else one for one in outcome.steps)
+    outcome = replace(outcome, problem=problem).exchanged(old, new)
     # The noise is that of the edge which fitted best; readings beside it are judged anew.
-    weighed = weigh_alike(problem, chosen, outcome.weighed.covariance)
-    return replace(outcome, problem=problem, chosen=chosen, steps=steps, weighed=weighed)
+    weighed = weigh_alike(problem, outcome.chosen, outcome.weighed.covariance)
+    return replace(outcome, weighed=weighed)
 
 
 def _jump(old: Effect, found: _Drawn) -> Effect:

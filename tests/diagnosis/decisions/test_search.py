@@ -65,13 +65,7 @@ def walked(monkeypatch, start, p_value, answers):
     monkeypatch.setattr(search, "family_p_value", lambda _: p_value)
     monkeypatch.setattr(search, "winner_of", winner_of)
     monkeypatch.setattr(search, "joined", lambda _, chosen, new: (*chosen, new))
-    monkeypatch.setattr(
-        search,
-        "_settled",
-        lambda now, steps, chosen: Outcome(
-            now.problem, chosen, steps, now.weighed, now.p_value, now.last
-        ),
-    )
+    monkeypatch.setattr(search, "_settled", lambda now: now)
     monkeypatch.setattr(search, "_exchanged", lambda now, *_: now)
     return asked, search._walk(start, QUIET)
 
@@ -226,13 +220,7 @@ def test_a_choice_is_exchanged_for_one_twenty_times_likelier(monkeypatch, ahead,
     monkeypatch.setattr(search, "trials_of", lambda *_: [])
     monkeypatch.setattr(search, "alone", lambda *_: trial("sag_sine", 30.0))
     monkeypatch.setattr(search, "winner_of", winner_of)
-    monkeypatch.setattr(
-        search,
-        "_settled",
-        lambda now, steps, chosen: Outcome(
-            now.problem, chosen, steps, now.weighed, now.p_value, now.last
-        ),
-    )
+    monkeypatch.setattr(search, "_settled", lambda now: now)
     end = search._exchanged(outcome(first, last), QUIET)
 
     assert (end.chosen[0].candidate.effect.id == "refraction") == exchanged
