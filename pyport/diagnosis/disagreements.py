@@ -195,10 +195,9 @@ def cuts(problem: Problem) -> dict[str, tuple[tuple[str, str], Mask]]:
         "elevation": ((f"below {degrees}", f"above {degrees}"), (at.el <= middle)[row]),
         "azimuth": (("in the east", "in the west"), (np.sin(at.az) > 0)[row]),
     }
-    if "time" in at:
-        time = np.asarray(at.column("time"), float)
-        if np.isfinite(time).all() and np.ptp(time) > 0:
-            middle = float(np.median(time))
-            when = f"{np.datetime64(round(middle), 's')}Z"
-            found["time"] = (f"before {when}", f"after {when}"), (time <= middle)[row]
+    time = at.times
+    if time is not None and np.ptp(time) > 0:
+        middle = float(np.median(time))
+        when = f"{np.datetime64(round(middle), 's')}Z"
+        found["time"] = (f"before {when}", f"after {when}"), (time <= middle)[row]
     return found

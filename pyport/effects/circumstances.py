@@ -103,6 +103,14 @@ class Circumstances:
             raise MissingColumn(SPELLED.get(name, name) + where)
         return values
 
+    @property
+    def times(self) -> Array | None:
+        """Return the moments [s, UTC since 1970], shape (n,); None where any is not known."""
+        if "time" not in self:
+            return None
+        time = np.asarray(self.column("time"), float)
+        return time if np.isfinite(time).all() else None
+
     def latitude(self) -> float:
         """Return the site's latitude [rad], or raise `MissingColumn`."""
         if self.site is None:

@@ -170,13 +170,12 @@ def drivers(recordings: Recordings) -> tuple[Driver, ...]:
     session, names = group(recordings, ("session",))
     if len(names) > 1:
         found.append(Driver("session", (session[:, None] == np.arange(len(names))).astype(float)))
-    if "time" in at:
-        time = np.asarray(at.column("time"), float)
-        if np.isfinite(time).all() and np.ptp(time) > 0:
-            rank = np.argsort(np.argsort(time, kind="stable"), kind="stable") / max(len(time), 1)
-            centres = np.linspace(0, 1, BUMPS)
-            bumps = np.exp(-0.5 * ((rank[:, None] - centres) * (BUMPS - 1)) ** 2)
-            found.append(Driver("time", bumps))
+    time = at.times
+    if time is not None and np.ptp(time) > 0:
+        rank = np.argsort(np.argsort(time, kind="stable"), kind="stable") / max(len(time), 1)
+        centres = np.linspace(0, 1, BUMPS)
+        bumps = np.exp(-0.5 * ((rank[:, None] - centres) * (BUMPS - 1)) ** 2)
+        found.append(Driver("time", bumps))
     if "wind_speed_m_s" in at:
         wind = np.asarray(at.column("wind_speed_m_s"), float)
         if mostly_known(wind):

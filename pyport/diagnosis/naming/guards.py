@@ -177,7 +177,7 @@ def _one_session(scene: Scene, effect: Effect, since: float | None = None) -> Re
 
 def _is_within_a_night(scene: Scene, since: float | None) -> bool:
     """Tell whether a night goes on across a moment [s]."""
-    time = _times(scene)
+    time = scene.problem.recordings.at.times
     if time is None or since is None or not time.min() < since <= time.max():
         return False
     return bool(time[time >= since].min() - time[time < since].max() <= NIGHT_GAP_S)
@@ -250,7 +250,7 @@ def comes_back(scene: Scene, rows: NDArray[np.bool_], seen: Array) -> bool:
 def night_numbers(scene: Scene) -> NDArray[np.intp]:
     """Return a number for the night of each reading, shape (m,): sessions, and gaps in them."""
     session, row = scene.problem.session, scene.problem.stack.row
-    time = _times(scene)
+    time = scene.problem.recordings.at.times
     if time is None:
         return np.unique(session, return_inverse=True)[1].ravel()
     order = np.argsort(time, kind="stable")
@@ -264,7 +264,7 @@ def nights(scene: Scene) -> int:
 
     Where no times are known sessions stand for nights; without those it is one as far as is known.
     """
-    time = _times(scene)
+    time = scene.problem.recordings.at.times
     if time is None:
         return len(np.unique(scene.problem.session))
     first = np.unique(scene.problem.pointing, return_index=True)[1]
@@ -291,12 +291,3 @@ def goes_with_the_hour(scene: Scene, column: str) -> bool:
     basis = np.polynomial.legendre.legvander(phase[known], NIGHT_ORDER)
     left = values[known] - basis @ np.linalg.lstsq(basis, values[known], rcond=1e-9)[0]
     return float(left.var()) <= (1 - WITH_THE_HOUR) * float(values[known].var())
-
-
-def _times(scene: Scene) -> Array | None:
-    """Return the time of each row [s], None where any is unknown."""
-    at = scene.problem.recordings.at
-    if "time" not in at:
-        return None
-    time = np.asarray(at.column("time"), float)
-    return time if np.isfinite(time).all() else None

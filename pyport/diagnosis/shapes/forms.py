@@ -229,7 +229,7 @@ def _levels(problem: Problem) -> Iterator[Field]:
 def _after_slews(problem: Problem) -> Iterator[Field]:
     """Yield bumps along how far the last slew went, where the moments of recordings are known."""
     at = problem.recordings.at
-    if "time" not in at or not np.isfinite(at.numbers("time")).all():
+    if at.times is None:
         return
     for name, went in zip(("az_deg", "el_deg"), fields.last_slew(at), strict=True):
         known = np.sort(went[np.isfinite(went)]).tolist()
@@ -258,9 +258,9 @@ def _curve(problem: Problem, kind: str, along: tuple[str, Array], **numbers_of: 
 def _in_time(problem: Problem) -> Iterator[Field]:
     """Yield bumps in time, where there are recordings."""
     at, row = problem.recordings.at, problem.stack.row
-    if "time" not in at or not np.isfinite(at.numbers("time")).all():
+    if at.times is None:
         return
-    time = at.numbers("time")[row]
+    time = at.times[row]
     for length in IN_TIME:
         centres = np.unique(np.round(time / length)) * length
         if 3 <= len(centres) <= MOST_BUMPS:

@@ -12,7 +12,6 @@ from pyport.angles import Array, Codes
 from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.searching.confirming import beside_model
 from pyport.noise.covariance import Covariance
-from pyport.recordings.sky import clock
 from pyport.thresholds import (
     ENOUGH_SQUARES,
     PERIODS_ALONE,
@@ -133,11 +132,9 @@ def scan_of(problem: Problem, *, reversing: bool) -> Scan | None:
     `reversing`: for waves that change their sign where the mount has turned over.
     """
     at = problem.recordings.at
-    if problem.blocks.antennas > 1 or "time" not in at:
+    if problem.blocks.antennas > 1 or at.times is None or len(problem.stack.row) < ENOUGH_SQUARES:
         return None
-    time = clock(at)[problem.stack.row]
-    if len(time) < ENOUGH_SQUARES or not np.isfinite(time).all():
-        return None
+    time = at.times[problem.stack.row]
     time = time - time.min()
     session = np.unique(problem.session, return_inverse=True)[1]
     begin, end = np.full(session.max() + 1, np.inf), np.zeros(session.max() + 1)

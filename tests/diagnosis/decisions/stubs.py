@@ -8,7 +8,7 @@ from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Chosen
 from pyport.diagnosis.searching.turns import Step
 from pyport.diagnosis.trial import CandidateFit
-from pyport.effects import CATALOGUE
+from pyport.effects import CATALOGUE, Circumstances
 
 ONE_ANTENNA = SimpleNamespace(antennas=1, groups=lambda _: np.zeros(1, int))
 
@@ -51,23 +51,9 @@ def step(winner, chosen=None, trials=()):
     return Step(winner, chosen, (winner, *trials), beside(), 1e-6)
 
 
-class Columns:
-    """Circumstances of n rows that have columns and nothing else."""
-
-    def __init__(self, n, **columns):
-        self.n, self.columns = n, columns
-
-    def __len__(self):
-        """Return the number of rows."""
-        return self.n
-
-    def __contains__(self, name):
-        """Tell whether a column is there."""
-        return name in self.columns
-
-    def column(self, name):
-        """Return a column."""
-        return self.columns[name]
+def rows_with(n, **columns):
+    """Return circumstances of n rows that have columns and nothing else."""
+    return Circumstances(np.zeros(n), np.zeros(n), columns=columns)
 
 
 def problem_with(**known):

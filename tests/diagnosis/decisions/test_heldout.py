@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from diagnosis.decisions.stubs import Columns, beside, candidate, problem_with, step, trial
+from diagnosis.decisions.stubs import beside, candidate, problem_with, rows_with, step, trial
 
 from pyport.diagnosis import holdout, joint
 from pyport.diagnosis.case import Chosen
@@ -24,7 +24,7 @@ def problem(rows=120, sessions=4, antennas=1, *, times=True, **more):
     return problem_with(
         session=row * sessions // rows,
         pointing=row,
-        recordings=SimpleNamespace(at=Columns(rows, **known)),
+        recordings=SimpleNamespace(at=rows_with(rows, **known)),
         stack=SimpleNamespace(row=row, is_y=np.ones(rows, bool)),
         blocks=SimpleNamespace(antennas=antennas),
     )

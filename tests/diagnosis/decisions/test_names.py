@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from diagnosis.decisions.stubs import Columns, beside, candidate, problem_with, step, trial
+from diagnosis.decisions.stubs import beside, candidate, problem_with, rows_with, step, trial
 
 from pyport.angles import ARCSEC
 from pyport.diagnosis.candidates import Candidate
@@ -324,7 +324,7 @@ def test_the_four_nearest_names_compete():
 def of_sessions(count, times):
     """Return as much of a problem as resampling looks at: 60 rows in some sessions."""
     rows = np.arange(60)
-    at = Columns(60, **({"time": 1e9 + 60.0 * rows} if times else {}))
+    at = rows_with(60, **({"time": 1e9 + 60.0 * rows} if times else {}))
     return problem_with(
         session=rows * count // 60,
         pointing=rows,
@@ -381,7 +381,7 @@ def scene_of(times, values=None, sessions=None, **more):
     """Return as much of a scene as guards look at."""
     times = np.asarray(times, float)
     rows = np.arange(len(times))
-    at = Columns(len(times), time=times, temperature_c=values)
+    at = rows_with(len(times), time=times, temperature_c=values)
     case = problem_with(
         recordings=SimpleNamespace(at=at, label=lambda _: more["labels"]),
         session=np.zeros(len(times), int) if sessions is None else np.asarray(sessions),
@@ -569,7 +569,7 @@ def test_the_order_of_the_rows_tells_what_went_with_the_hour(nights, known, said
     phase = np.linspace(-1, 1, 60)
     when, values = 1e9 + 9 * HOURS * phase, np.cos(nights * np.pi * phase)
     scene = scene_of(when)
-    scene.problem.recordings.at = Columns(60, **{known: when, "temperature_c": values})
+    scene.problem.recordings.at = rows_with(60, **{known: when, "temperature_c": values})
     found = guards._one_night(scene, CATALOGUE["temperature"])
 
     assert (found is None) == (said is None)

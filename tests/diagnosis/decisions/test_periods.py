@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from diagnosis.decisions.stubs import ONE_ANTENNA, Columns
+from diagnosis.decisions.stubs import ONE_ANTENNA, rows_with
 
 from pyport.angles import ARCSEC, DEG
 from pyport.diagnosis.naming import waves
@@ -23,7 +23,7 @@ def observed(hours, step_s=60.0, sessions=1):
     time = 1.2e9 + np.concatenate([86400 * n + within for n in range(sessions)])
     rows = np.arange(len(time))
     return SimpleNamespace(
-        recordings=SimpleNamespace(at=Columns(len(time), time=time)),
+        recordings=SimpleNamespace(at=rows_with(len(time), time=time)),
         stack=SimpleNamespace(row=rows, is_y=rows < 0),
         blocks=ONE_ANTENNA,
         pointing=rows,
