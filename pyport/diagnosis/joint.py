@@ -11,8 +11,8 @@ from scipy.special import chdtrc
 from pyport.angles import Array, Codes
 from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.weighing import WhitenedData
-from pyport.fitting import soundness
 from pyport.fitting.combinations import MOST_COEFFICIENTS, Combination, combinations
+from pyport.fitting.soundness import largest_offset
 from pyport.fitting.two_axes import as_unlikely
 from pyport.least_squares.gram import Solution, inverted
 from pyport.noise.coefficients import solve
@@ -104,14 +104,9 @@ def combined(problem: Problem, joint: Joint) -> tuple[Combination, ...]:
         problem.expanded(joint.choices)[:, kept],
         joint.solution.values[kept],
         joint.solution.covariance[np.ix_(kept, kept)] * excess,
-        largest_offset(problem),
+        largest_offset(problem.stack, problem.recordings.at),
     )
     return tuple(replace(one, places=tuple(kept[n] for n in one.places)) for one in found)
-
-
-def largest_offset(problem: Problem) -> float:
-    """Return the largest offset that was measured [rad]: no effect is said to be larger."""
-    return soundness.largest_offset(problem.stack, problem.recordings.at)
 
 
 def contribution(problem: Problem, joint: Joint, choice: int) -> Array:

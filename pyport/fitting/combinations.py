@@ -17,10 +17,9 @@ from numpy.typing import NDArray
 from pyport.angles import ARCSEC, Array
 from pyport.effects.base import Coefficient
 from pyport.effects.empirical.drivers import unit_in_words
-from pyport.fitting.fit import Fit
-from pyport.fitting.soundness import largest_offset
+from pyport.fitting.fit import Fit, expanded
+from pyport.fitting.soundness import largest_offset, named
 from pyport.noise.coefficients import solve
-from pyport.recordings.schema import term_columns
 
 #: A coefficient of whose column the other columns leave less than this share of the rms is not
 #: known alone: an error of a tenth of the others' curves is an error of itself as a whole.
@@ -169,23 +168,17 @@ def combinations(
 
 def of_fit(fit: Fit) -> tuple[Combination, ...]:
     """Return the combinations that a fit knows where it does not know coefficients alone."""
-    names, coefficients, columns = [], [], [np.zeros((len(fit.stack), 0))]
-    values: list[float] = []
+    names = [name for name, _, _ in named(fit)]
+    coefficients, values = [], []
     given: list[float] = []
     for one in fit.coefficients:
         effect = one.term.effect
-        basis = term_columns(fit.stack, effect, fit.recordings)
-        rows = np.ones(len(fit.recordings), bool)
-        for label, value in zip(one.term.per, one.labels, strict=True):
-            rows &= fit.recordings.label(label).astype(str) == value
-        columns.append(basis * rows[fit.stack.row][:, None])
-        where = f"[{' '.join(one.labels)}]" if any(one.labels) else ""
-        names += [each.name + where for each in effect.coefficients]
         coefficients += list(effect.coefficients)
         held = one.term.values or (0.0,) * len(effect.coefficients)
         given += list(held)
         values += (one.value - np.array(held)).tolist()
-    design = np.concatenate(columns, axis=1)
+    terms = [*{id(one.term): one.term for one in fit.coefficients}.values()]
+    design = expanded(fit.recordings, fit.stack, terms)[0]
     # What the data leave open is not in the fit's values: the shortest solution stands for it.
     data = fit.residual + design @ np.nan_to_num(np.array(values))
     solution = solve(fit.noise, design, data)

@@ -11,7 +11,7 @@ import numpy as np
 from pyport.angles import Array
 from pyport.diagnosis.arrays.findings import of_array, taken_apart
 from pyport.diagnosis.case import Problem
-from pyport.diagnosis.joint import contribution, largest_offset, visible
+from pyport.diagnosis.joint import contribution, visible
 from pyport.diagnosis.naming import classes, waves, words
 from pyport.diagnosis.naming.finding import Finding, Parameter, Where, beyond
 from pyport.diagnosis.naming.scene import (
@@ -33,6 +33,7 @@ from pyport.diagnosis.shapes import drive_waves
 from pyport.diagnosis.shapes.edges import curve_points
 from pyport.effects.empirical.oscillations import OSCILLATION
 from pyport.effects.mounts import declared
+from pyport.fitting.soundness import largest_offset
 from pyport.runs.stages import stage
 from pyport.thresholds import MOST_MEMBERS
 
@@ -118,7 +119,7 @@ def _single(
     heldout = held_out(scene, scene.outcome.others(chosen), whole, np.ones(len(curve), bool))
     together = None if effect.id == OSCILLATION else scene.combination(choice)
     mounts = declared(problem.recordings.meta)
-    largest = largest_offset(problem)
+    largest = largest_offset(problem.stack, problem.recordings.at)
     if together is not None:
         parameters = [one for one in parameters if not beyond(one, largest)]
     few = len(called.members) <= MOST_MEMBERS
