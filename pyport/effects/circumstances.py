@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.angles import Array
+from pyport.angles import Array, Codes
 from pyport.columns import SPELLED
 from pyport.mounts import ALTAZ, Mount
 
@@ -28,6 +28,13 @@ PIER_SIDE, OVER = "pier_side", "west"
 #: than a summer's day.
 NIGHT_GAP_S = 6 * 3600.0
 DAY_S = 86400.0
+
+
+def nights_of(time: Array) -> Codes:
+    """Return the number of the night of each moment [s], shape (n,), in the order of time."""
+    order, night = np.argsort(time, kind="stable"), np.zeros(len(time), np.intp)
+    night[order[1:]] = np.cumsum(np.diff(time[order]) > NIGHT_GAP_S)
+    return night
 
 
 def mostly_known(values: Array) -> bool:

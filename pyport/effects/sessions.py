@@ -8,17 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import Array
-from pyport.effects.circumstances import NIGHT_GAP_S, Circumstances
+from pyport.effects.circumstances import NIGHT_GAP_S, Circumstances, nights_of
 
 
 def _sessions(at: Circumstances) -> NDArray[np.str_]:
     """Return the session of each row, shape (n,): the night where none are recorded."""
     if "session" in at:
         return at.column("session").astype(str)
-    time = at.numbers("time")
-    order, night = np.argsort(time, kind="stable"), np.zeros(len(at), np.intp)
-    night[order[1:]] = np.cumsum(np.diff(time[order]) > NIGHT_GAP_S)
-    return night.astype(str)
+    return nights_of(at.numbers("time")).astype(str)
 
 
 def spans_of(at: Circumstances) -> dict[str, list[float]]:

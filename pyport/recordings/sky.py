@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pyport.angles import RADIANS_PER, Array, Codes, wrap
 from pyport.columns import DIRECTIONS, SPELLED
 from pyport.effects import Circumstances
-from pyport.effects.circumstances import NIGHT_GAP_S, mostly_known
+from pyport.effects.circumstances import NIGHT_GAP_S, mostly_known, nights_of
 from pyport.recordings.schema import Recordings, group
 from pyport.thresholds import PER_LABEL
 
@@ -265,17 +265,13 @@ def _sorted(recordings: Recordings) -> bool:
 
 def _nights(time: Array) -> Array:
     """Return the date on which the night of each row began, its number behind it if it has two."""
-    order = np.argsort(time, kind="stable")
-    night = np.concatenate([[0], np.cumsum(np.diff(time[order]) > NIGHT_GAP_S)])
-    first = time[order][np.unique(night, return_index=True)[1]]
-    dates = [night_of(one) for one in first]
+    night = nights_of(time)
+    dates = [night_of(time[night == one].min()) for one in np.unique(night)]
     names = [
         date if dates.count(date) == 1 else f"{date}.{dates[:n].count(date) + 1}"
         for n, date in enumerate(dates)
     ]
-    found = np.empty(len(time), dtype=f"<U{max(map(len, names))}")
-    found[order] = np.array(names)[night]
-    return found
+    return np.array(names)[night]
 
 
 def night_of(time: float) -> str:

@@ -20,7 +20,7 @@ from pyport.angles import ARCSEC, Array
 from pyport.diagnosis.case import Problem, measurements
 from pyport.diagnosis.naming.scene import Scene
 from pyport.effects.base import THE_HOUR, Effect
-from pyport.effects.circumstances import DAY_S, NIGHT_GAP_S
+from pyport.effects.circumstances import DAY_S, NIGHT_GAP_S, nights_of
 from pyport.recordings.sky import clock
 from pyport.thresholds import (
     CARRIERS,
@@ -253,10 +253,9 @@ def night_numbers(scene: Scene) -> NDArray[np.intp]:
     time = scene.problem.recordings.at.times
     if time is None:
         return np.unique(session, return_inverse=True)[1].ravel()
-    order = np.argsort(time, kind="stable")
-    run = np.zeros(len(time), np.intp)
-    run[order] = np.cumsum(np.diff(time[order], prepend=time[order[0]]) > NIGHT_GAP_S)
-    return np.unique(np.stack([session, run[row]]), axis=1, return_inverse=True)[1].ravel()
+    return np.unique(np.stack([session, nights_of(time)[row]]), axis=1, return_inverse=True)[
+        1
+    ].ravel()
 
 
 def nights(scene: Scene) -> int:
