@@ -17,7 +17,6 @@ from pyport.cli.manners import (
     refuse_without_columns,
     say,
 )
-from pyport.cli.table import site_among
 from pyport.errors import BadInput
 
 if TYPE_CHECKING:
@@ -169,7 +168,7 @@ def compare(
     from pyport.models.conditions import known as is_condition
     from pyport.plots.pictures import FORMATS
     from pyport.recordings import read
-    from pyport.recordings.naming import KEYS
+    from pyport.recordings.naming import KEYS, site_of
 
     if picture is not None and picture.suffix[1:] not in FORMATS:
         raise BadInput(f"expected a suffix of {', '.join(FORMATS)}", picture)
@@ -178,7 +177,7 @@ def compare(
     needs = {*both[0].needs(), *both[1].needs()} - KEYS
     about = {key: one for key, one in given.keys.items() if is_condition(key) or key in needs}
     refuse_slips(set(given.keys) - set(about) - KEYS, needs)
-    found = compare(*both, measured, columns_of(about, needs), site_among(given.keys)[0])
+    found = compare(*both, measured, columns_of(about, needs), site_of(given.keys))
     if picture is not None:
         draw(found, picture, f"{new} - {old}", beam_arcsec)
     say("\n".join(text(found, beam_arcsec)), for_programs(found, beam_arcsec), as_json=as_json)

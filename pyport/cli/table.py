@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-import contextlib
-import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from pyport.cli.manners import flag, in_json, option, say
-from pyport.errors import BadInput
 
 if TYPE_CHECKING:
-    from pyport.effects import Site
     from pyport.steering import Grid, Table
     from pyport.steering.tabulate import Conditions
 
@@ -38,38 +34,13 @@ def under_conditions(command: Callable[..., Any]) -> Callable[..., Any]:
     return command
 
 
-#: Keys of a site, and how large each may be.
-_SITE = {"latitude_deg": 90.0, "longitude_deg": 360.0, "height_m": 1e5}
-
-
-def site_among(stated: Mapping[str, str]) -> tuple[Site | None, dict[str, str]]:
-    """Return the site that was stated, None without a latitude, and what else was.
-
-    Raises `BadInput`: one of its numbers is none, or too large.
-    """
-    from pyport.angles import DEG
-    from pyport.effects import Site
-
-    found = {}
-    for key in _SITE.keys() & stated.keys():
-        with contextlib.suppress(ValueError):
-            found[key] = float(stated[key])
-        if not abs(found.get(key, math.nan)) <= _SITE[key]:
-            most = f"{-_SITE[key]:g} and {_SITE[key]:g}"
-            raise BadInput(f"{key} is {stated[key]!r}, expected a number between {most}")
-    beside = {key: one for key, one in stated.items() if key not in _SITE}
-    if "latitude_deg" not in found:
-        return None, beside
-    east = found["longitude_deg"] * DEG if "longitude_deg" in found else None
-    return Site(found["latitude_deg"] * DEG, east, found.get("height_m", 0.0)), beside
-
-
 def conditions_of(
     azimuth_zero: str | None, conditions: tuple[str, ...], model: str | None
 ) -> Conditions:
     """Return what both options say of a model, COLUMN=VALUE as columns inside the program."""
     from pyport.formats.models import load
     from pyport.models.conditions import columns_of
+    from pyport.recordings.naming import SITE, site_of
     from pyport.steering.tabulate import Conditions
 
     named: dict[str, str] = {}
@@ -78,7 +49,8 @@ def conditions_of(
         if not equals:
             raise click.UsageError(f"--set {one}: expected COLUMN=VALUE")
         named[name.strip()] = value.strip()
-    site, beside = site_among(named)
+    site = site_of(named)
+    beside = {key: one for key, one in named.items() if key not in SITE}
     if not beside:
         return Conditions(azimuth_zero, site=site)
     known = load(model).needs() if model else ()

@@ -28,6 +28,7 @@ from pyport.effects.mounts import MOUNT, declared
 from pyport.mounts import ALTAZ, Mount
 from pyport.recordings import mounted, sky
 from pyport.recordings.masks import repeated
+from pyport.recordings.naming import number_of, site_of
 from pyport.recordings.raw import BLANK, Raw, without_blanks
 from pyport.recordings.schema import Recordings, SetAside
 
@@ -70,7 +71,7 @@ def interpret(raw: Raw) -> Recordings:
 
 def _refuse_far_off(raw: Raw, x: Array, y: Array) -> None:
     """Refuse offsets larger on the sky than any telescope's, unless the header allows them."""
-    largest = _key(raw, FAR_OFF, LARGEST_OFFSET_DEG) or LARGEST_ON_SKY_DEG
+    largest = number_of(raw.meta, FAR_OFF, LARGEST_OFFSET_DEG, raw.error) or LARGEST_ON_SKY_DEG
     size = np.hypot(np.nan_to_num(x), np.nan_to_num(y)) / DEG
     if np.any(far := size > largest):
         row = int(np.argmax(far))
@@ -93,7 +94,7 @@ def _circumstances(raw: Raw, angles: dict[str, Array]) -> tuple[Circumstances, l
 
     Azimuths become those from north.
     """
-    site, mount = _site(raw), mounted.mount_of(raw, angles)
+    site, mount = site_of(raw.meta, raw.error), mounted.mount_of(raw, angles)
     if mount.needs_latitude and site is None:
         raise raw.error(f"{mount.sentence} needs a line '# latitude_deg: ...', expected one")
     columns, blank = _columns(raw)
@@ -120,32 +121,6 @@ def _declaring(raw: Raw, at: Circumstances) -> dict[str, str]:
         return raw.meta
     others = (word for word in words if word in mounted.MOUNTS)
     return {**raw.meta, MOUNT: ", ".join((at.mount.id, *others))}
-
-
-def _site(raw: Raw) -> Site | None:
-    """Return the site that the header keys tell, None where they tell no latitude."""
-    latitude = _key(raw, "latitude_deg", 90)
-    longitude = _key(raw, "longitude_deg", 360)
-    height = _key(raw, "height_m", 1e5)
-    if latitude is None:
-        return None
-    east = None if longitude is None else longitude * DEG
-    return Site(latitude * DEG, east, 0.0 if height is None else height)
-
-
-def _key(raw: Raw, key: str, largest: float) -> float | None:
-    if key not in raw.meta:
-        return None
-    text = raw.meta[key]
-    try:
-        value = float(text)
-    except ValueError:
-        value = np.nan
-    if not abs(value) <= largest:
-        raise raw.error(
-            f"{key} is {text!r}, expected a number between {-largest:g} and {largest:g}", key=key
-        )
-    return value
 
 
 def azimuth_from_south(raw: Raw) -> bool:
@@ -241,7 +216,7 @@ def check_ranges(raw: Raw, angles: dict[str, Array]) -> None:
             (angles["el"] < LOWEST_EL_DEG * DEG) | (angles["el"] > HIGHEST_EL_DEG * DEG),
             f"elevation outside [{LOWEST_EL_DEG}, {HIGHEST_EL_DEG}] deg, expected a telescope's",
         )
-        highest = _key(raw, PLUNGE, HIGHEST_EL_DEG) or 90.0
+        highest = number_of(raw.meta, PLUNGE, HIGHEST_EL_DEG, raw.error) or 90.0
         above = angles["el"] > (highest + 1e-9) * DEG
         needed = np.ceil(np.max(angles["el"] / DEG, where=above, initial=highest) - 1e-9)
         raw.refuse(

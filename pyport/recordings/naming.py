@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.angles import RADIANS_PER
+from pyport.angles import DEG, RADIANS_PER
 from pyport.arguments import SLIP, nearest
 from pyport.columns import (
     COLUMNS,
@@ -24,7 +24,7 @@ from pyport.columns import (
     TIME,
     angle_of,
 )
-from pyport.effects import MissingColumn
+from pyport.effects import MissingColumn, Site
 from pyport.effects.mounts import MOUNT
 from pyport.errors import BadInput
 from pyport.recordings.mounted import OFFSETS, axes_of, names_of
@@ -270,3 +270,41 @@ def refuse_slips(keys: Mapping[str, str], how: str) -> None:
         right = key_meant(key, value)
         if right is not None:
             raise BadInput(f"{how}{key!r} is no key, did you mean {right!r}?")
+
+
+#: Keys of a site, and how large each may be.
+SITE = {"latitude_deg": 90.0, "longitude_deg": 360.0, "height_m": 1e5}
+
+#: What makes an error of a message and, by name, the key that is wrong.
+Wrong = Callable[..., BadInput]
+
+
+def site_of(
+    keys: Mapping[str, str], wrong: Wrong = lambda message, **_: BadInput(message)
+) -> Site | None:
+    """Return the site that keys tell, None where they tell no latitude.
+
+    Raises `BadInput`: one of its numbers is none, or too large.
+    """
+    latitude, longitude, height = (number_of(keys, *one, wrong) for one in SITE.items())
+    if latitude is None:
+        return None
+    east = None if longitude is None else longitude * DEG
+    return Site(latitude * DEG, east, 0.0 if height is None else height)
+
+
+def number_of(keys: Mapping[str, str], key: str, largest: float, wrong: Wrong) -> float | None:
+    """Return the number under a key, None where the key is not there.
+
+    Raises `BadInput`: it is none, or larger than the `largest`.
+    """
+    if key not in keys:
+        return None
+    try:
+        value = float(keys[key])
+    except ValueError:
+        value = np.nan
+    if not abs(value) <= largest:
+        expected = f"a number between {-largest:g} and {largest:g}"
+        raise wrong(f"{key} is {keys[key]!r}, expected {expected}", key=key)
+    return value
