@@ -37,6 +37,11 @@ def handy(size: float) -> tuple[float, str]:
     return (ARCMIN, "arcmin") if size >= COARSE else (ARCSEC, "arcsec")
 
 
+def decimals(size: float, most: int, digits: int = 2) -> int:
+    """Return so many decimals, at most so many, that a size, such as an error, has two digits."""
+    return max(0, min(most, digits - 1 - math.floor(math.log10(size)))) if size > 0 else 3
+
+
 def wrap(angle: ArrayLike) -> Array:
     """Return angles [rad] brought into [-pi, pi)."""
     return (np.asarray(angle, dtype=float) + math.pi) % (2 * math.pi) - math.pi

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.angles import ARCSEC, Array
+from pyport.angles import ARCSEC, Array, decimals
 from pyport.effects.base import Coefficient
 from pyport.effects.empirical.drivers import unit_in_words
 from pyport.fitting.fit import Fit, expanded
@@ -116,7 +116,7 @@ class Combination:
 def amount(one: Direction) -> str:
     """Return a direction's value with its error, the digits that the error allows."""
     value, sigma = one.value / ARCSEC, one.sigma / ARCSEC
-    digits = 3 if sigma <= 0 else max(0, min(3, 1 - int(np.floor(np.log10(sigma)))))
+    digits = decimals(sigma, 3)
     return f"{value:.{digits}f} +- {sigma:.{digits}f} arcsec"
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -10,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport import __version__
+from pyport import __version__, angles
 from pyport.angles import ARCSEC, Array
 from pyport.effects.empirical.drivers import unit_in_words
 from pyport.effects.empirical.fields import UNKNOWN
@@ -269,4 +268,4 @@ def decimals(one: Value) -> int:
     What was held is known to its last digit, and has six.
     """
     size, digits = (one.sigma, 2) if one.sigma else (abs(one.value), 6)
-    return max(0, min(9, digits - 1 - math.floor(math.log10(size)))) if size > 0 else 3
+    return angles.decimals(size, 9, digits)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
 
+from pyport.angles import decimals
 from pyport.models.complete import CHANGE, ENTER, IN_FILE
 from pyport.page.markup import Markup, chance, scrolled, table, tag
 from pyport.page.picture import Picture, Side
@@ -55,7 +55,7 @@ def _listed(rows: Sequence[Row]) -> Markup:
         name = [row.name.replace("_", " "), *([row.group] if grouped else [])]
         if row.value is None:
             return [*name, "not determined", "", row.unit, *("" for _ in against), ""]
-        digits = 3 if row.sigma is None else _digits(row.sigma)
+        digits = 3 if row.sigma is None else decimals(row.sigma, 9)
         sigma = "" if row.sigma is None else f"{row.sigma:.{digits}f}"
         size = f"{abs(row.value) / row.sigma:.1f}" if row.sigma else ""
         old = row.before or 0.0
@@ -93,7 +93,7 @@ def _value(row: Row | None) -> Markup:
         return tag("td", "", class_="n")
     if row.value is None:
         return tag("td", "not determined", class_="n")
-    digits = 3 if row.sigma is None else _digits(row.sigma)
+    digits = 3 if row.sigma is None else decimals(row.sigma, 9)
     text = _signed(row.value, digits)
     if row.sigma is not None:
         text += f" ± {row.sigma:.{digits}f}"
@@ -102,10 +102,6 @@ def _value(row: Row | None) -> Markup:
 
 def _signed(value: float, digits: int) -> str:
     return f"{value:.{digits}f}".replace("-", "−")
-
-
-def _digits(sigma: float) -> int:
-    return max(0, min(9, 1 - math.floor(math.log10(sigma)))) if sigma > 0 else 3
 
 
 def _heat(story: Story) -> Markup | None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pyport.angles import ARCSEC, handy
+from pyport.angles import ARCSEC, decimals, handy
 from pyport.diagnosis.disagreements import Disagreement, Halves
 from pyport.diagnosis.naming.finding import Parameter, Where
 from pyport.effects.base import Effect
@@ -62,7 +62,7 @@ def number(parameter: Parameter) -> str:
     if unit == "arcsec":
         radians, unit = handy(abs(value) * ARCSEC)
         value, sigma = value / (radians / ARCSEC), sigma / (radians / ARCSEC)
-    digits = 3 if sigma <= 0 else max(0, min(6, 1 - int(np.floor(np.log10(sigma)))))
+    digits = decimals(sigma, 6)
     return f"{value:.{digits}f} +- {sigma:.{digits}f} {unit}"
 
 
