@@ -19,7 +19,7 @@ from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Chosen, Problem, measurements
 from pyport.diagnosis.evidence import Evidence, Projection
 from pyport.diagnosis.trial import at_best, shown
-from pyport.least_squares.gram import spanned
+from pyport.least_squares.gram import beyond, spanned
 from pyport.noise import common_mode
 from pyport.noise.covariance import Covariance
 from pyport.noise.estimation.estimate import estimate, reweighed
@@ -230,7 +230,7 @@ def left_beside(
     model = problem.expanded(choices, of=white)
     own = covariance.whiten(columns)
     both = np.concatenate([own, white[:, -1:]], axis=1)
-    return own, both - model @ np.linalg.lstsq(model, both, rcond=1e-9)[0]
+    return own, beyond(model, both)
 
 
 def shown_beside(

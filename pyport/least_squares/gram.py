@@ -246,6 +246,11 @@ def spanned(columns: Array) -> tuple[Array, Array, Array]:
     return np.asarray(basis[:, kept]), strength[kept], length
 
 
+def beyond(columns: Array, values: Array) -> Array:
+    """Return what least squares on columns (n, k) leaves of values, (n,) or (n, K)."""
+    return np.asarray(values - columns @ np.linalg.lstsq(columns, values, rcond=1e-9)[0])
+
+
 def inverse_of(normal: Array) -> tuple[Array, int, NDArray[np.bool_]]:
     """Return what `inverted` returns but the condition number, sooner where columns differ well."""
     size = len(normal)

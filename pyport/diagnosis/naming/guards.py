@@ -21,6 +21,7 @@ from pyport.diagnosis.case import Problem, measurements
 from pyport.diagnosis.naming.scene import Scene
 from pyport.effects.base import THE_HOUR, Effect
 from pyport.effects.circumstances import DAY_S, NIGHT_GAP_S, nights_of
+from pyport.least_squares.gram import beyond
 from pyport.recordings.sky import clock
 from pyport.thresholds import (
     CARRIERS,
@@ -288,5 +289,5 @@ def goes_with_the_hour(scene: Scene, column: str) -> bool:
         return True
     phase = (time - time.min()) / np.ptp(time) * 2 - 1
     basis = np.polynomial.legendre.legvander(phase[known], NIGHT_ORDER)
-    left = values[known] - basis @ np.linalg.lstsq(basis, values[known], rcond=1e-9)[0]
+    left = beyond(basis, values[known])
     return float(left.var()) <= (1 - WITH_THE_HOUR) * float(values[known].var())

@@ -15,6 +15,7 @@ from pyport.diagnosis.shapes.wave_fits import is_line
 from pyport.diagnosis.trial import CandidateFit
 from pyport.diagnosis.weighing import noise, projection, weigh
 from pyport.effects.base import Effect
+from pyport.least_squares.gram import beyond
 from pyport.noise.covariance import Covariance
 from pyport.thresholds import CONVINCING, ENOUGH_ANTENNAS
 
@@ -109,8 +110,7 @@ def joined(problem: Problem, chosen: tuple[Chosen, ...], new: Chosen) -> tuple[C
     kept = []
     for one in chosen:
         own = problem.picked(one.candidate.columns)
-        left = own - columns @ np.linalg.lstsq(columns, own, rcond=1e-9)[0]
-        inside = np.linalg.norm(left) < 1e-6 * np.linalg.norm(own)
+        inside = np.linalg.norm(beyond(columns, own)) < 1e-6 * np.linalg.norm(own)
         # Blocks that share a coefficient of the new choice must share one of the old, too.
         pairs = np.unique(np.stack([groups, problem.blocks.groups(one.scope)]), axis=1)
         if not (inside and len(np.unique(pairs[0])) == pairs.shape[1]):
