@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,10 +15,11 @@ from pyport.diagnosis.candidates import Blocks, Candidate, Untestable
 from pyport.effects.base import Effect
 from pyport.least_squares.gram import Part
 from pyport.models.model import Model
-from pyport.noise.covariance import Covariance
 from pyport.noise.estimation.frame import Frame
 from pyport.noise.series import Series
 from pyport.recordings.schema import Recordings, Stack
+
+Made = TypeVar("Made")
 
 
 @dataclass(frozen=True)
@@ -31,22 +33,6 @@ class Chosen:
     candidate: Candidate
     scope: str
     spread: float = 0.0
-
-
-@dataclass(frozen=True)
-class Anew:
-    """A choice made anew.
-
-    Attributes
-    ----------
-    columns
-        What is fitted, shape (m, P).
-    curve
-        What is predicted beside it [rad], shape (m,); None where all is fitted.
-    """
-
-    columns: Array
-    curve: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -76,12 +62,8 @@ class Problem:
         What the noise is estimated from: series, sessions, sources.
     seed
         Of the draws of noise.
-    known
-        Covariances that were estimated before, by what was chosen, with what they are beside.
-    anew
-        What was chosen, chosen again without a fold, by what, noise and fold.
-    unseen
-        What fits without each fold leave of it [rad], by what was fitted, noise and folds.
+    memory
+        What was made before, see `remembered`, with what the identities in its keys belong to.
     """
 
     recordings: Recordings
@@ -99,16 +81,22 @@ class Problem:
     scan: Codes
     frame: Frame
     seed: int
-    known: dict[tuple[object, ...], tuple[tuple[Chosen, ...], Covariance]] = field(
-        default_factory=dict, repr=False, compare=False
-    )
-    anew: dict[tuple[object, ...], tuple[list[Anew], tuple[object, ...]]] = field(
-        default_factory=dict, repr=False, compare=False
-    )
-    unseen: dict[tuple[object, ...], tuple[Array, tuple[object, ...]]] = field(
+    memory: dict[tuple[object, ...], tuple[Any, tuple[object, ...]]] = field(
         default_factory=dict, repr=False, compare=False
     )
     added: Array | None = None
+
+    def remembered(
+        self, key: tuple[object, ...], whose: Iterable[object], make: Callable[[], Made]
+    ) -> Made:
+        """Return what was made before under a key, or make it.
+
+        `whose`: what the identities in the key belong to. It is kept as long as the key.
+        """
+        if key not in self.memory:
+            self.memory[key] = make(), tuple(whose)
+        found: Made = self.memory[key][0]
+        return found
 
     @property
     def parts(self) -> tuple[Series, ...]:

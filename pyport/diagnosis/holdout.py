@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -115,12 +116,12 @@ def residuals(
     """
     whole = whole or chosen
     identities = tuple(map(id, chosen)), tuple(map(id, whole)), id(weighed.covariance)
-    key = *identities, partition.fold.tobytes(), partition.departing
-    if key not in problem.unseen:
-        # What the key's identities belong to is kept as long as the key.
-        kept = *chosen, *whole, weighed.covariance
-        problem.unseen[key] = _residuals(problem, weighed, chosen, partition, whole), kept
-    return problem.unseen[key][0]
+    key = "unseen", *identities, partition.fold.tobytes(), partition.departing
+    return problem.remembered(
+        key,
+        (*chosen, *whole, weighed.covariance),
+        lambda: _residuals(problem, weighed, chosen, partition, whole),
+    )
 
 
 def _residuals(
@@ -177,12 +178,10 @@ def _of_others(
     for one in np.unique(partition.fold):
         weights = np.where(partition.fold == one, 0.0, weighed.weights)
         covariance = replace(weighed.covariance, weights=weights)
-        key = *map(id, whole), id(weighed.covariance), partition.fold.tobytes(), int(one)
-        if chosen and key not in problem.anew:
-            # What the key's identities belong to is kept as long as the key.
-            found = columns_anew(problem, covariance, whole)
-            problem.anew[key] = found, (*whole, weighed.covariance)
-        anew = dict(zip(map(id, whole), problem.anew[key][0], strict=True)) if chosen else {}
+        key = "anew", *map(id, whole), id(weighed.covariance), partition.fold.tobytes(), int(one)
+        make = partial(columns_anew, problem, covariance, whole)
+        found = problem.remembered(key, (*whole, weighed.covariance), make) if chosen else ()
+        anew = dict(zip(map(id, whole), found, strict=True)) if chosen else {}
         parts = [(problem.base, base), *(((each,), anew[id(each)].columns) for each in chosen)]
         columns = np.concatenate([own for _, own in parts], axis=1)
         known = [np.resize(problem.precision(some), own.shape[1]) for some, own in parts]

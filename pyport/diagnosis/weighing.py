@@ -138,7 +138,7 @@ def weigh_alike(problem: Problem, chosen: Sequence[Chosen], known: Covariance) -
     """Return what `weigh` does with the noise that is known; only outliers are looked for anew."""
     design = problem.expanded([*problem.base, *chosen])
     covariance = reweighed(known, problem.residual, design, problem.frame)
-    problem.known[key_of(chosen, searching=True)] = tuple(chosen), covariance
+    problem.memory[key_of(chosen, searching=True)] = covariance, tuple(chosen)
     return weigh(problem, chosen)
 
 
@@ -159,14 +159,13 @@ def noise(problem: Problem, chosen: Sequence[Chosen], *, searching: bool = True)
     Columns that join the design later do not touch it. While a search goes on, what its
     candidates could explain is no noise; in a final fit (`searching` false) it is.
     """
-    key = key_of(chosen, searching=searching)
-    if key not in problem.known:
+
+    def estimated() -> Covariance:
         design = problem.expanded([*problem.base, *by_columns(chosen)])
         shapes = problem.possible if searching else None
-        covariance = estimate(problem.residual, design, problem.frame, shapes)
-        # The choices are kept as long as the key that their identities make.
-        problem.known[key] = tuple(chosen), covariance
-    return problem.known[key][1]
+        return estimate(problem.residual, design, problem.frame, shapes)
+
+    return problem.remembered(key_of(chosen, searching=searching), chosen, estimated)
 
 
 def _common_excess(

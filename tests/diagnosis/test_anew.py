@@ -36,7 +36,7 @@ def test_what_is_left_out_chooses_nothing(outcome):
     covariance = replace(weighed.covariance, weights=np.where(hidden, 0.0, weighed.weights))
     data = np.where(hidden, 4000 * ARCSEC, problem.residual)
     absurd = replace(
-        problem, data=np.column_stack([problem.whole[:, :-1], data]), added=None, anew={}
+        problem, data=np.column_stack([problem.whole[:, :-1], data]), added=None, memory={}
     )
     as_it_is = columns_anew(problem, covariance, outcome.chosen)
     beside_absurd = columns_anew(absurd, covariance, outcome.chosen)

@@ -11,13 +11,13 @@ was made from all readings flatters the prediction of those that are left out.
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 
 from pyport.angles import Array
-from pyport.diagnosis.case import Anew, Chosen, Problem, confounded
+from pyport.diagnosis.case import Chosen, Problem, confounded
 from pyport.diagnosis.shapes import drive_waves, oscillations, wave_fits
 from pyport.diagnosis.shapes.edges import edges_of
 from pyport.diagnosis.trial import CandidateFit, at_best
@@ -225,6 +225,22 @@ def past_outliers(
 def _from_the_end(values: Array) -> Array:
     """Return sums from each row to the last."""
     return np.asarray(values[::-1].cumsum(axis=0)[::-1])
+
+
+@dataclass(frozen=True)
+class Anew:
+    """A choice made anew.
+
+    Attributes
+    ----------
+    columns
+        What is fitted, shape (m, P).
+    curve
+        What is predicted beside it [rad], shape (m,); None where all is fitted.
+    """
+
+    columns: Array
+    curve: Array | None = None
 
 
 @stage("choosing anew")

@@ -27,18 +27,19 @@ def _noise_alike(
     Beside what is `departing` the likeliest drift; where nothing is, all drifts that are likely
     must do together what departures would.
     """
-    key = (departing, *key_of(like, searching=False), *key_of(chosen, searching=False))
-    if key not in problem.known:
+
+    def estimated() -> Covariance:
         design = problem.expanded([*problem.base, *by_columns(chosen)])
         frame = problem.frame if departing else replace(problem.frame, departures=())
         known = noise(problem, like, searching=False)
         # What an effect leaves behind passes from departures to drift and back.
         turns = TURNS if departing and len(chosen) < len(like) else 1
-        found = estimate(
+        return estimate(
             problem.residual, design, frame, like=known, averaged=not departing, turns=turns
         )
-        problem.known[key] = (*like, *chosen), found
-    return problem.known[key][1]
+
+    key = departing, *key_of(like, searching=False), *key_of(chosen, searching=False)
+    return problem.remembered(key, (*like, *chosen), estimated)
 
 
 @stage("confirming")

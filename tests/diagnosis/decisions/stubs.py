@@ -60,5 +60,6 @@ def problem_with(**known):
     """Return as much of a problem as a rule looks at."""
     named = {one.effect.id: one.effect for one in known.get("candidates", ())}
     usual = {"blocks": ONE_ANTENNA, "base": (), "seed": 0, "named": tuple(named.values())}
+    usual["remembered"] = lambda _key, _whose, make: make()
     usual |= {"precision": lambda _: 0.0}
     return SimpleNamespace(**(usual | known))

@@ -769,7 +769,7 @@ def test_what_an_effect_leaves_behind_takes_more_than_one_turn(
     monkeypatch.setattr(confirming, "noise", lambda *_, **__: None)
     monkeypatch.setattr(confirming, "estimate", lambda *_, turns, **__: asked.append(turns))
     frame = Frame((), (), (), None)
-    problem = problem_with(known={}, frame=frame, residual=None, expanded=lambda _: None)
+    problem = problem_with(frame=frame, residual=None, expanded=lambda _: None)
     some = [Chosen(candidate("skew"), "all")]
     confirming._noise_alike(problem, some[:others], some[:like], departing=departing)
 
