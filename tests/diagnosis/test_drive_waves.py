@@ -11,7 +11,7 @@ from pyport.angles import ARCSEC, DEG
 from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.naming import waves
 from pyport.diagnosis.preparing import prepare
-from pyport.diagnosis.shapes import drive_waves, oscillations
+from pyport.diagnosis.shapes import drive_waves
 from pyport.diagnosis.weighing import weigh
 from pyport.effects.telescope.encoders import (
     azimuth_harmonics,
@@ -135,7 +135,8 @@ def test_readings_left_out_choose_no_period():
     """Readings of no weight may say what they like."""
     problem = case(azimuth_harmonics(24))
     one = proposed(problem)
-    problem, covariance = oscillations.widened(problem, one), weigh(problem).covariance
+    covariance = weigh(problem).covariance
+    problem, _ = problem.with_member(one, one.candidate.effect)
     without = np.arange(len(problem.residual)) % 10 != 3
     blind = replace(covariance, weights=covariance.weights * without)
     data = problem.data.copy()

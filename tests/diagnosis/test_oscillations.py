@@ -96,7 +96,8 @@ def test_the_period_is_found(swinging):
 def test_what_is_left_out_chooses_no_period(swinging):
     """Readings of no weight may say what they like, and are predicted by the others."""
     _, problem, one = swinging
-    problem, covariance = oscillations.widened(problem, one), weigh(problem).covariance
+    covariance = weigh(problem).covariance
+    problem, _ = problem.with_member(one, one.candidate.effect)
     hidden = np.arange(len(problem.residual)) % 10 == 3
     seen = replace(covariance, weights=np.where(hidden, 0.0, covariance.weights))
     data = np.where(hidden, 0.01, problem.residual)
@@ -112,7 +113,7 @@ def test_a_wandering_phase_is_predicted_between_its_readings():
     """Pointings are dealt out, for a block of time may hold a stretch; what is left is less."""
     problem = case(SWINGS["wandering"])
     one = oscillations.proposed(problem, weigh(problem).covariance, ())
-    problem = oscillations.widened(problem, one)
+    problem = problem.with_member(one, one.candidate.effect)[0]
     weighed = weigh(problem, (one,), searching=False)
     partition = holdout.folds(problem, weighed, (one,))
     left = [holdout.residuals(problem, weighed, some, partition) for some in ((), (one,))]
@@ -150,7 +151,7 @@ def test_an_overtone_of_something_slower_keeps_no_name(kind, times, passed):
     near = oscillation(PERIOD_S / times)
     place = np.arange(problem.size, problem.size + 4)
     one = Chosen(Candidate(near, place, (0, 1, 2, 3)), "all")
-    problem = oscillations.widened(problem, one)
+    problem = problem.with_member(one, one.candidate.effect)[0]
     scene = SimpleNamespace(
         problem=problem, weighed=weigh(problem, (one,)), outcome=SimpleNamespace(chosen=(one,))
     )

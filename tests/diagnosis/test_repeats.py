@@ -41,7 +41,7 @@ def test_what_is_no_sine_is_proposed_with_its_period(form):
     assert one.candidate.of_time
     assert set(effect.member["axes"]) == {1}
     assert len(one.candidate.columns) == 16
-    assert oscillations.widened(problem, one).size == problem.size + 16
+    assert problem.with_member(one, one.candidate.effect)[0].size == problem.size + 16
 
 
 @pytest.mark.parametrize("kind", SWINGS)

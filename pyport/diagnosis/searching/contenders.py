@@ -10,7 +10,6 @@ from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.evidence import Projection
 from pyport.diagnosis.searching.changes import refine
 from pyport.diagnosis.searching.confirming import among, confirmed
-from pyport.diagnosis.shapes import oscillations
 from pyport.diagnosis.shapes.wave_fits import is_line
 from pyport.diagnosis.trial import CandidateFit
 from pyport.diagnosis.weighing import noise, projection, weigh
@@ -67,7 +66,8 @@ def waves_of(problem: Problem, chosen: tuple[Chosen, ...], one: Chosen | None) -
     """
     if one is None:
         return []
-    wider, price = oscillations.widened(problem, one), one.candidate.price
+    wider, _ = problem.with_member(one, one.candidate.effect)
+    price = one.candidate.price
     sure = confirmed(wider, chosen, one, price)
     if sure <= CONVINCING:
         return []

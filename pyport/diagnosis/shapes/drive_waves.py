@@ -153,7 +153,7 @@ def _peak(scan: Scan, view: View) -> Peak:
 def proposed(problem: Problem, noise: Covariance, chosen: Sequence[Chosen]) -> Chosen | None:
     """Return the short wave of a drive that is worth a confirmation, if any.
 
-    The case that it belongs to is `widened` by it.
+    Its columns are for `Problem.with_member` to add.
     """
     ways = list(ways_of(problem))
     peaks = [_peak(way.scan, view_of(problem, way.scan, noise, chosen)) for way in ways]

@@ -42,7 +42,7 @@ def proposed(
 ) -> Chosen | None:
     """Return the oscillation that is worth a confirmation beside what is chosen, if any.
 
-    The case that it belongs to is `widened` by it. `present` is the noise of the turn; nothing is
+    Its columns are for `Problem.with_member` to add. `present` is the noise of the turn; nothing is
     proposed that is worth no more than `above`.
     """
     scans = [
@@ -133,14 +133,7 @@ def _refined(
 
 
 def of_period(problem: Problem, effect: Effect, choices: float) -> Chosen:
-    """Return a wave, one of so many periods, as a choice in the case that is `widened` by it."""
+    """Return a wave, one of so many periods, as a choice in the case that has its columns."""
     kept = np.flatnonzero(problem.stack.columns(effect, problem.recordings.at).any(axis=0))
     places = problem.size + np.arange(len(kept))
     return Chosen(Candidate(effect, places, tuple(kept.tolist()), max(1, round(choices))), "all")
-
-
-def widened(problem: Problem, one: Chosen) -> Problem:
-    """Return the case with the columns of an oscillation that was proposed in it."""
-    effect, which = one.candidate.effect, list(one.candidate.coefficients)
-    own = problem.stack.columns(effect, problem.recordings.at)[:, which]
-    return problem.with_columns(own)
