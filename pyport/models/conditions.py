@@ -16,7 +16,7 @@ from pyport.arguments import SLIP, nearest, refusal
 from pyport.columns import LABELS, NUMBER, QUANTITIES, angle_of
 from pyport.effects.base import Site
 from pyport.errors import BadInput
-from pyport.recordings.raw import seconds_of
+from pyport.recordings.raw import seconds_of, since_1970
 
 if TYPE_CHECKING:
     from astropy.units import Quantity
@@ -197,8 +197,7 @@ def seconds(value: Any) -> NDArray[np.float64]:  # noqa: ANN401 - a time of any 
         return np.asarray(value.utc.unix, float)
     cells = _cells("time", value)
     if cells.dtype.kind == "M":
-        since = cells.astype("datetime64[us]").astype(float) / 1e6
-        return np.where(np.isnat(cells), np.nan, since)
+        return since_1970(cells)
     if cells.dtype.kind in "UO":
         return np.array([_moment(one) for one in cells.ravel().tolist()]).reshape(cells.shape)
     wanted = "expected astropy's Time, datetime64, datetime or ISO 8601 text"

@@ -261,8 +261,7 @@ class Raw:
                 return values
             cells = np.asarray(cells)
         if cells.dtype.kind == "M":
-            since = cells.astype("datetime64[us]").astype(float) / 1e6
-            return np.where(np.isnat(cells), np.nan, since)
+            return since_1970(cells)
         text = self.words(name)
         seconds = np.full(len(text), np.nan)
         for row, cell in enumerate(text.tolist()):
@@ -294,6 +293,12 @@ class Raw:
         """Raise `BadInput` at the first row where `wrong` holds."""
         if wrong.any():
             raise self.error(message, int(np.argmax(wrong)))
+
+
+def since_1970(moments: NDArray[np.datetime64]) -> Array:
+    """Return times as seconds since 1970, NaN where there is none."""
+    since = moments.astype("datetime64[us]").astype(float) / 1e6
+    return np.where(np.isnat(moments), np.nan, since)
 
 
 def seconds_of(moment: str | datetime) -> float:
