@@ -24,8 +24,8 @@ Index = NDArray[np.intp] | NDArray[np.bool_] | slice
 PIER_SIDE, OVER = "pier_side", "west"
 
 
-#: What is not measured for so long parts two nights [s]: longer than any break of one, shorter
-#: than a summer's day.
+#: A gap between measurements that separates two nights [s]: longer than any break within one,
+#: shorter than a summer's day.
 NIGHT_GAP_S = 6 * 3600.0
 DAY_S = 86400.0
 

@@ -1,7 +1,7 @@
 """Pointings: readings of one moment and place, however often and with whatever last digits given.
 
-Readings of one pointing share its error. Were they taken for several pointings, telling a
-measurement twice would make it surer. So do exposures that follow one another while the telescope
+Readings of one pointing share its error. Were they taken for several pointings, to repeat a
+measurement would make it surer. So do exposures that follow one another while the telescope
 tracks, where nothing says which of them are of one source.
 """
 
