@@ -10,6 +10,7 @@ import numpy as np
 from pyport.angles import DEG, Array
 from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.naming.finding import Interval
+from pyport.diagnosis.shapes.edges import climbed
 from pyport.diagnosis.shapes.fields import Ground
 from pyport.diagnosis.shapes.forms import Field
 from pyport.diagnosis.weighing import WhitenedData, plain_view
@@ -21,11 +22,11 @@ from pyport.thresholds import FEWEST
 AROUND, UPWARD = 24, 16
 #: A box is at most so many cells wide.
 WIDEST = 16
-#: First step by which an edge is moved, and how often it is halved. [rad]
-_FIRST, _HALVED = 6 * DEG, 6
+#: First step by which an edge is moved. [rad]
+_FIRST = 6 * DEG
 
 #: Edges in pairs, each the lower first: of azimuth, and of elevation where there are some. [rad]
-Edges = tuple[float, ...]
+Edges = Array
 
 
 def boxes(problem: Problem, weighed: WhitenedData, chosen: tuple[Chosen, ...]) -> list[Field]:
@@ -44,7 +45,7 @@ def boxes(problem: Problem, weighed: WhitenedData, chosen: tuple[Chosen, ...]) -
         # A box is held against what is outside of it, whether a zero is fitted or not.
         pull -= weight * (pull.sum() / weight.sum())
         start, tried = _scanned(az[rows], el[rows], weight, pull)
-        edges = _climbed(_gain_of(az[rows], el[rows], weight, pull), start)
+        edges = _widest(_gain_of(az[rows], el[rows], weight, pull), start)
         there = inside(az[row], el[row], edges)
         left, right, low, high = (float(edge / DEG) for edge in edges)
         region = Interval("az_deg", left % 360, right % 360), Interval("el_deg", low, high)
@@ -89,7 +90,7 @@ def sector(ground: Ground) -> Iterator[Field]:
         return fields.values(bumps_of(edges), at)[problem.stack.row] * ~is_y[:, None]
 
     cell = 2 * np.pi / AROUND
-    each = [column((n * cell, (n + 1) * cell)) for n in range(AROUND)]
+    each = [column(np.array([n, n + 1]) * cell) for n in range(AROUND)]
     information, _, moments = ground.products(np.hstack(each))
 
     def gain(cells: tuple[int, int]) -> float:
@@ -99,10 +100,10 @@ def sector(ground: Ground) -> Iterator[Field]:
 
     tried = [*product(range(AROUND), range(1, WIDEST + 1))]
     first, width = max(tried, key=gain)
-    start = first * cell, (first + width) * cell
-    edges = _climbed(lambda one: ground.gain(column(one)), start)
+    start = np.array([first * cell, (first + width) * cell])
+    edges = _widest(lambda one: ground.gain(column(one)), start)
     name = f"{mount.first.column}_deg"
-    low, high = (edge / DEG % 360 for edge in edges)
+    low, high = (float(edge) / DEG % 360 for edge in edges)
     yield Field(
         "an offset of an angle",
         f"xel: {name} off from {low:.1f} to {high:.1f}",
@@ -128,7 +129,7 @@ def _scanned(az: Array, el: Array, weight: Array, pull: Array) -> tuple[Edges, i
         np.add.at(total, (column, line), values)
     around = np.concatenate([sums, sums[:, :WIDEST]], axis=1)
     grown = np.pad(around, ((0, 0), (1, 0), (1, 0))).cumsum(axis=1).cumsum(axis=2)
-    best, edges, tried = -1.0, (0.0, 0.0, 0.0, 0.0), 0
+    best, edges, tried = -1.0, np.zeros(4), 0
     whole = weight.sum()
     lows, highs = np.triu_indices(len(steps), 1)
     cell = 2 * np.pi / AROUND
@@ -142,7 +143,7 @@ def _scanned(az: Array, el: Array, weight: Array, pull: Array) -> tuple[Edges, i
             best = float(gain.max())
             first, pair = np.unravel_index(int(np.argmax(gain)), gain.shape)
             left = float(first) * cell
-            edges = left, left + width * cell, float(steps[lows[pair]]), float(steps[highs[pair]])
+            edges = np.array([left, left + width * cell, steps[lows[pair]], steps[highs[pair]]])
     return edges, tried
 
 
@@ -159,20 +160,10 @@ def _gain_of(az: Array, el: Array, weight: Array, pull: Array) -> Callable[[Edge
     return gain
 
 
-def _climbed(gain: Callable[[Edges], float], start: Edges) -> Edges:
-    """Move the edges, one after the other, by steps that halve, while the gain grows."""
-    best, most, step = start, gain(start), _FIRST
-    for _ in range(_HALVED):
-        moved = True
-        while moved:
-            moved = False
-            for n in range(len(best)):
-                for way in (step, -step):
-                    tried = tuple(edge + way * (k == n) for k, edge in enumerate(best))
-                    score = gain(tried)
-                    if score > most and all(
-                        low < up for low, up in zip(tried[::2], tried[1::2], strict=True)
-                    ):
-                        best, most, moved = tried, score, True
-        step /= 2
-    return best
+def _widest(gain: Callable[[Edges], float], start: Edges) -> Edges:
+    """Return the edges whose gain is highest, moved from some."""
+
+    def ordered(edges: Edges) -> float:
+        return gain(edges) if np.all(edges[::2] < edges[1::2]) else -np.inf
+
+    return climbed(ordered, start, np.full(len(start), _FIRST))

@@ -63,9 +63,9 @@ def edges_of(problem: Problem, view: View, effect: Effect) -> list[tuple[Effect,
             found += [(elsewhere(effect, beyond_az_rad=one), float(of_number)) for one in cut]
         return found
     straight = np.where(np.arange(len(start)) == 0, start, 0.0)
-    best = _climbed(gain, straight, 1)
+    best = climbed(gain, straight, _FIRST[:1])
     for waves, first in ((3, start), (5, None)):
-        wavier = _climbed(gain, best if first is None else first, waves)
+        wavier = climbed(gain, best if first is None else first, _FIRST[:waves])
         # Each further wave must earn its two numbers, as any coefficient must.
         if gain(wavier) > gain(best) + 2 * of_number:
             best = wavier
@@ -239,20 +239,23 @@ def _path(cost: Array) -> Codes:
     return np.array(path[::-1])
 
 
-def _climbed(gain: Callable[[Array], float], start: Array, numbers: int) -> Array:
-    """Return where the gain is highest, moving the first `numbers` by steps that halve."""
-    best, most, step = start, gain(start), _FIRST.copy()
+def climbed(gain: Callable[[Array], float], start: Array, step: Array) -> Array:
+    """Return where the gain is highest, moving numbers, one after the other, by steps that halve.
+
+    The first steps are for as many of the numbers (k,) as are moved; the others stay.
+    """
+    best, most = start, gain(start)
     for _ in range(_ROUNDS):
         moved = True
         while moved:
             moved = False
-            for n in range(numbers):
+            for n in range(len(step)):
                 for sign in (1, -1):
                     trial = best.copy()
                     trial[n] += sign * step[n]
                     if (score := gain(trial)) > most:
                         best, most, moved = trial, score, True
-        step /= 2
+        step = step / 2
     return best
 
 

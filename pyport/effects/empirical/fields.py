@@ -212,7 +212,7 @@ def sector(at: Circumstances, az_rad: Sequence[float]) -> Array:
     return _between(at.az, *az_rad)[:, None] * _lever(at)
 
 
-def inside(az: Array, el: Array, edges: Sequence[float]) -> NDArray[np.bool_]:
+def inside(az: Array, el: Array, edges: Sequence[float] | Array) -> NDArray[np.bool_]:
     """Tell which places are between two azimuths and two elevations [rad], shape (n,)."""
     left, right, low, high = edges
     return _between(az, left, right) & (el >= low) & (el <= high)
