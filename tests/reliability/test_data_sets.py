@@ -13,7 +13,8 @@ from pyarrow import parquet
 
 from pyport.errors import BadInput
 from pyport.recordings import read
-from pyport.recordings.stream.chunk import LONGEST_CELL, MOST_CODES
+from pyport.recordings.raw import LONGEST_CELL
+from pyport.recordings.stream.chunk import MOST_CODES
 
 ROWS = 50
 COLUMNS = {

@@ -236,9 +236,9 @@ def comes_back(scene: Scene, rows: NDArray[np.bool_], seen: Array) -> bool:
     """
     left = scene.problem.residual - scene.joint.predicted + seen
     weight = scene.weighed.used / np.maximum(scene.floor, 1e-300) ** 2
-    found = 0
-    for night in np.unique(night_numbers(scene)[rows]):
-        own = rows & (night_numbers(scene) == night)
+    number, found = night_numbers(scene), 0
+    for night in np.unique(number[rows]):
+        own = rows & (number == night)
         power = float((weight[own] * seen[own] ** 2).sum())
         if power <= 0:
             continue

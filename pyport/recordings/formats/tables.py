@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import reprlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -125,13 +125,15 @@ def _parquet_cells(path: Path) -> Raw:
     if not table.num_rows:
         raise BadInput("no rows in this table", path)
     names = table.column_names
-    twice = first_double(names)
-    if twice is not None:
-        raise BadInput(f"two columns are called {twice!r}, expected one", path)
+    refuse_doubles(names, path)
     columns = {name: _arrow_cells(table[name]) for name in names}
-    keys = {k.decode(): v.decode() for k, v in (table.schema.metadata or {}).items()}
-    meta = {k: v for k, v in keys.items() if k not in {"pandas", "ARROW:schema"}}
-    return Raw(path, meta, 1, columns, np.arange(1, table.num_rows + 1, dtype=np.int64))
+    return Raw(
+        path,
+        keys_of(table.schema.metadata),
+        1,
+        columns,
+        np.arange(1, table.num_rows + 1, dtype=np.int64),
+    )
 
 
 def _arrow_table(path: Path) -> Any:  # noqa: ANN401 - pyarrow is not typed
@@ -144,7 +146,7 @@ def _arrow_table(path: Path) -> Any:  # noqa: ANN401 - pyarrow is not typed
       may be.
     """
     import pyarrow
-    from pyarrow import compute, parquet
+    from pyarrow import parquet
 
     # the types first: only the schema is read
     schema = parquet.read_schema(path)
@@ -163,10 +165,29 @@ def _arrow_table(path: Path) -> Any:  # noqa: ANN401 - pyarrow is not typed
         if not (pyarrow.types.is_dictionary(column.type) and is_text(column.type.value_type)):
             continue
         for chunk in column.chunks:
-            length = compute.max(compute.binary_length(chunk.dictionary)).as_py() or 0
-            if length > LONGEST_CELL:
-                raise BadInput(f"{name} has more than {LONGEST_CELL} characters", path)
+            refuse_long(chunk.dictionary, name, path)
     return table
+
+
+def refuse_doubles(names: Sequence[str], path: Path) -> None:
+    """Refuse two columns of one name."""
+    twice = first_double(names)
+    if twice is not None:
+        raise BadInput(f"two columns are called {twice!r}, expected one", path)
+
+
+def refuse_long(texts: Any, name: str, path: Path) -> None:  # noqa: ANN401 - pyarrow is not typed
+    """Refuse a column that holds a text longer than a cell may be."""
+    from pyarrow import compute
+
+    if (compute.max(compute.binary_length(texts)).as_py() or 0) > LONGEST_CELL:
+        raise BadInput(f"{name} has more than {LONGEST_CELL} characters", path)
+
+
+def keys_of(metadata: Mapping[bytes, bytes] | None) -> dict[str, str]:
+    """Return the header keys of a Parquet file, without what its libraries keep there."""
+    keys = {key.decode(): value.decode() for key, value in (metadata or {}).items()}
+    return {key: value for key, value in keys.items() if key not in {"pandas", "ARROW:schema"}}
 
 
 def is_text(kind: Any) -> bool:  # noqa: ANN401 - pyarrow is not typed

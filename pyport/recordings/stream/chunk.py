@@ -15,8 +15,8 @@ from pyport.effects.base import Circumstances
 from pyport.errors import BadInput
 from pyport.mounts import ALTAZ
 from pyport.recordings import interpret, mounted
-from pyport.recordings.formats.tables import is_text
-from pyport.recordings.raw import LONGEST_CELL, WEATHER, Raw
+from pyport.recordings.formats.tables import is_text, refuse_long
+from pyport.recordings.raw import WEATHER, Raw
 from pyport.recordings.stream.pieces import Piece
 
 #: So many excluded rows are listed; of the others the reasons are counted.
@@ -210,12 +210,8 @@ def _words(dictionary: Any, name: str, file: Path) -> list[str]:  # noqa: ANN401
 
     Raises `BadInput`: a text is longer than a cell may be, or none.
     """
-    from pyarrow import compute
-
     if is_text(dictionary.type):
-        longest = compute.max(compute.binary_length(dictionary)).as_py() or 0
-        if longest > LONGEST_CELL:
-            raise BadInput(f"{name} has more than {LONGEST_CELL} characters", file)
+        refuse_long(dictionary, name, file)
     try:
         return [_word(one) for one in dictionary.to_pylist()]
     except UnicodeDecodeError:

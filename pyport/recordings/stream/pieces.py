@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pyport.columns import LABELS, SCAN_RATE, TIME, angle_of, first_double
+from pyport.columns import LABELS, SCAN_RATE, TIME, angle_of
 from pyport.errors import BadInput
 from pyport.files import is_spelled
-from pyport.recordings.formats.tables import is_text, refused
+from pyport.recordings.formats.tables import is_text, keys_of, refuse_doubles, refused
 from pyport.recordings.naming import refuse_columns
 
 #: Rows of a piece, as far as the files' row groups allow: what one worker is given at a time.
@@ -117,9 +117,7 @@ def _wanted(schema: Any, path: Path) -> list[str]:  # noqa: ANN401 - pyarrow is 
     import pyarrow
 
     kinds = pyarrow.types
-    twice = first_double(schema.names)
-    if twice is not None:
-        raise BadInput(f"two columns are called {twice!r}, expected one", path)
+    refuse_doubles(schema.names, path)
     wanted = []
     for one in schema:
         known = one.name in {*LABELS, TIME, SCAN_RATE} or angle_of(one.name) is not None
@@ -134,9 +132,7 @@ def _wanted(schema: Any, path: Path) -> list[str]:  # noqa: ANN401 - pyarrow is 
 def _agree(keys: dict[str, str], metadata: dict[bytes, bytes] | None, path: Path) -> None:
     """Take over a file's header keys; whoever contradicts an earlier file is refused."""
     with refused(path):
-        header = {name.decode(): value.decode() for name, value in (metadata or {}).items()}
+        header = keys_of(metadata)
     for name, value in header.items():
-        if name in {"pandas", "ARROW:schema"}:
-            continue
         if keys.setdefault(name, value) != value:
             raise BadInput(f"{name} is {value!r}, in files before it {keys[name]!r}", path)
