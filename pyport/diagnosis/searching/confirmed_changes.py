@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 
 import numpy as np
@@ -33,6 +33,8 @@ class Changes:
         All that was tried there.
     banned
         Effects that are not proposed.
+    known
+        What was confirmed before, by what it was to exceed.
     """
 
     problem: Problem
@@ -40,6 +42,7 @@ class Changes:
     chosen: tuple[Chosen, ...]
     trials: Sequence[CandidateFit]
     banned: Collection[str] = ()
+    known: dict[float, list[Contender]] = field(default_factory=dict)
 
     def nearest(self) -> Contender | None:
         """Return the change that is likelier than not and does not convince; None where none is."""
@@ -49,8 +52,14 @@ class Changes:
     def confirmed(self, above: float) -> list[Contender]:
         """Return each with its evidence beside noise estimated anew.
 
-        Those that promise more than `above` beside noise that holds still.
+        Those that promise more than `above` beside noise that holds still. They are remembered:
+        a turn that finds nothing asks for the same ones again.
         """
+        if above not in self.known:
+            self.known[above] = self._confirmed(above)
+        return self.known[above]
+
+    def _confirmed(self, above: float) -> list[Contender]:
         waves = self._waves(above)
         # What wins must be distinguished from a wave: its columns stand in the case of every one.
         every = self._refined_in(waves[0].problem) if waves else self._refined

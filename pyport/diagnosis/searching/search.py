@@ -17,7 +17,6 @@ from pyport.diagnosis.searching.contenders import joined
 from pyport.diagnosis.searching.instead import field_instead
 from pyport.diagnosis.searching.turns import Outcome, Step, family_p_value
 from pyport.diagnosis.searching.winner import alone, trials_of, winner_of, without_idle
-from pyport.diagnosis.trial import CandidateFit
 from pyport.diagnosis.weighing import projection, weigh
 from pyport.runs.workers import in_order
 from pyport.thresholds import (
@@ -170,11 +169,6 @@ def _imperfect(steps: Sequence[Step], problem: Problem, candidate: Candidate) ->
     return IMPERFECTION * max(gains, default=0.0)
 
 
-def _better_than(own: CandidateFit, _problem: Problem, _candidate: Candidate) -> float:
-    """Return the evidence that is convincingly more than what a choice has."""
-    return own.evidence + CONVINCING
-
-
 def _settled(now: Outcome) -> Outcome:
     """Weigh with what is chosen, without what that has made idle; only its turns are kept."""
     weighed = weigh(now.problem, now.chosen)
@@ -200,7 +194,7 @@ def _exchanged(now: Outcome, tell: Callable[[str], None]) -> Outcome:
             now.weighed,
             others,
             trials,
-            partial(_better_than, own),
+            lambda *_, least=own.evidence + CONVINCING: least,  # convincingly more than it has
             beside=beside,
             banned=now.banned,
         )
