@@ -205,17 +205,33 @@ SOLAR_SYSTEM = frozenset(
 )
 
 
-def _source_position(
-    basis: Basis,
-    coefficients: tuple[Coefficient, ...] = (),
-    variant: str = "every source",
-    sources: Sequence[str] = (),
-) -> Effect:
+def _source_position(sources: Sequence[str] | None, variant: str) -> Effect:
+    """Return a shift in right ascension and declination of each of some sources.
+
+    Without names of all that a family finds.
+    """
+
+    def basis(at: Circumstances) -> tuple[Array, Array]:
+        if sources is None:
+            return _source_positions(at)[0].basis(at)
+        east, north = parallactic(at)
+        source = at.column("source")
+        pairs = [
+            (np.where(source == name, x, 0.0), np.where(source == name, y, 0.0))
+            for name in sources
+            for x, y in (east, north)
+        ]
+        return stack(at, *pairs)
+
     return Effect(
         "source_position",
         "the catalogue's position of a source is wrong",
         "Smart, Textbook on Spherical Astronomy, ch. II: the parallactic angle",
-        coefficients,
+        tuple(
+            Coefficient(f"{axis}[{name}]")
+            for name in sources or ()
+            for axis in ("ra_cos_dec", "dec")
+        ),
         basis,
         common="array",
         variant=variant,
@@ -226,26 +242,8 @@ def _source_position(
         needs=("source", "latitude_deg"),
         formula=("-e cos q + n sin q, shifted by e eastward, n northward", "e sin q + n cos q"),
         member={"sources": list(sources), "variant": variant} if sources else {},
-        make=_shifted,
+        make=_source_position,
     )
-
-
-def _shifted(sources: Sequence[str], variant: str) -> Effect:
-    """Return a shift in right ascension and declination of each of some sources."""
-
-    def basis(at: Circumstances) -> tuple[Array, Array]:
-        east, north = parallactic(at)
-        source = at.column("source")
-        pairs = [
-            (np.where(source == name, x, 0.0), np.where(source == name, y, 0.0))
-            for name in sources
-            for x, y in (east, north)
-        ]
-        return stack(at, *pairs)
-
-    axes = ("ra_cos_dec", "dec")
-    coefficients = tuple(Coefficient(f"{axis}[{name}]") for name in sources for axis in axes)
-    return _source_position(basis, coefficients, variant, sources)
 
 
 def _source_positions(at: Circumstances) -> tuple[Effect, ...]:
@@ -254,9 +252,9 @@ def _source_positions(at: Circumstances) -> tuple[Effect, ...]:
     One source alone cannot tell: its shift is taken for the mount's.
     """
     names = _moving(at)
-    single = [_shifted([name], name) for name in names[:MOST_SOURCES]]
+    single = [_source_position([name], name) for name in names[:MOST_SOURCES]]
     if len(names) <= MOST_SOURCES:
-        return _shifted(sorted(names), "every source"), *single
+        return _source_position(sorted(names), "every source"), *single
     return tuple(single)
 
 
@@ -273,10 +271,6 @@ def _moving(at: Circumstances) -> list[str]:
     if not moving:
         raise MissingColumn("a source at three hour angles")
     return moving
-
-
-def _every_source(at: Circumstances) -> tuple[Array, Array]:
-    return _source_positions(at)[0].basis(at)
 
 
 def _near(at: Circumstances) -> NDArray[np.bool_]:
@@ -327,7 +321,7 @@ EFFECTS = (
     ),
     NUTATIONS[0],
     PRECESSIONS[0],
-    _source_position(_every_source),
+    _source_position(None, "every source"),
     Effect(
         "parallax",
         "the target is near and its parallax was left out",

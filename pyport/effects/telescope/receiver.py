@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from pyport.angles import Array
 from pyport.effects.base import (
     AXES,
-    Basis,
     Circumstances,
     Coefficient,
     Effect,
@@ -96,81 +95,73 @@ def _in_both_axes(at: Circumstances, steps: list[Array]) -> tuple[Array, Array]:
     return stack(at, *[(step, 0) for step in steps], *[(0, step) for step in steps])
 
 
-def _offset(split: Split) -> Effect:
-    """Return a constant for every receiver but the one used most."""
-    others = split.values[1:]
+def _receiver_offset(split: Split | None = None) -> Effect:
+    """Return a constant for every receiver but the one used most; without a split the first one."""
+    others = [] if split is None else split.values[1:]
 
     def basis(at: Circumstances) -> tuple[Array, Array]:
+        if split is None:
+            return _receiver_offsets(at)[0].basis(at)
         label = split.label(at)
         return _in_both_axes(at, [np.where(label == value, 1.0, 0.0) for value in others])
 
-    return _receiver_offset(basis, _columns(others), split)
-
-
-def _receiver_offset(
-    basis: Basis, coefficients: tuple[Coefficient, ...] = (), split: Split | None = None
-) -> Effect:
+    how = "by receiver" if split is None else split.name
     return Effect(
         "receiver_offset",
         "receivers or bands look in different directions",
         _BAARS,
-        coefficients,
+        _columns(others),
         basis,
-        variant="by receiver" if split is None else split.name,
+        variant=how,
         profile=_receiver_offsets,
         acts_in=AXES,
-        pattern=f"a constant {'by receiver' if split is None else split.name}, in both axes",
+        pattern=f"a constant {how}, in both axes",
         means={"receiver-boxes": "a box beside its place"},
         needs=("receiver or frequency_mhz",),
         formula=("b for each receiver or band", "c for each receiver or band"),
         member={} if split is None else asdict(split),
-        make=lambda **member: _offset(Split(**member)),
+        make=lambda **member: _receiver_offset(Split(**member)),
     )
 
 
 def _receiver_offsets(at: Circumstances) -> tuple[Effect, ...]:
-    return tuple(map(_offset, _splits(at, ("receiver", "frequency_mhz"))))
+    return tuple(map(_receiver_offset, _splits(at, ("receiver", "frequency_mhz"))))
 
 
-def _squint(split: Split) -> Effect:
-    """Return offsets that cancel over the values of a label: + for each one, - for the last."""
-    *others, last = sorted(split.values)
+def _beam_squint(split: Split | None = None) -> Effect:
+    """Return offsets that cancel over the values of a label: + for each one, - for the last.
+
+    Without a split those of the first one.
+    """
+    *others, last = [""] if split is None else sorted(split.values)
 
     def basis(at: Circumstances) -> tuple[Array, Array]:
+        if split is None:
+            return _beam_squints(at)[0].basis(at)
         label = split.label(at)
         minus = np.where(label == last, 1.0, 0.0)
         return _in_both_axes(at, [np.where(label == one, 1.0, 0.0) - minus for one in others])
 
-    return _beam_squint(basis, _columns(others), split)
-
-
-def _beam_squint(
-    basis: Basis, coefficients: tuple[Coefficient, ...] = (), split: Split | None = None
-) -> Effect:
+    how = "by polarisation" if split is None else split.name
     return Effect(
         "beam_squint",
         "the beams of two polarisations or channels point apart",
         "Chu & Turrin 1973, IEEE Trans. AP 21, 339: depolarization of offset reflectors",
-        coefficients,
+        _columns(others),
         basis,
-        variant="by polarisation" if split is None else split.name,
+        variant=how,
         profile=_beam_squints,
         acts_in=AXES,
-        pattern=(
-            f"opposite offsets {'by polarisation' if split is None else split.name}, in both axes"
-        ),
+        pattern=f"opposite offsets {how}, in both axes",
         needs=("polarisation or channel",),
         formula=("+-b by polarisation or channel", "+-c by polarisation or channel"),
         member={} if split is None else asdict(split),
-        make=lambda **member: _squint(Split(**member)),
+        make=lambda **member: _beam_squint(Split(**member)),
     )
 
 
 def _beam_squints(at: Circumstances) -> tuple[Effect, ...]:
-    return tuple(map(_squint, _splits(at, ("polarisation", "channel"))))
+    return tuple(map(_beam_squint, _splits(at, ("polarisation", "channel"))))
 
 
-EFFECTS = (
-    _receiver_offset(lambda at: _receiver_offsets(at)[0].basis(at)),
-    _beam_squint(lambda at: _beam_squints(at)[0].basis(at)),
-)
+EFFECTS = (_receiver_offset(), _beam_squint())
