@@ -269,11 +269,11 @@ class Unseen:
             rms(self.before[both]),
             rms(self.after[both]),
             rms(floor[both]),
-            self.fall_sigma(both),
+            self.fall_sigma(both, FEWEST_STRETCHES),
             int((rows & ~self.counted).sum()),
         )
 
-    def fall_sigma(self, rows: NDArray[np.bool_], fewest: int = FEWEST_STRETCHES) -> float | None:
+    def fall_sigma(self, rows: NDArray[np.bool_], fewest: int) -> float | None:
         """Return the error of the fall of the rms [rad] over some rows (m,), by stretches.
 
         They are drawn independently; None where there are fewer than `fewest`.

@@ -44,7 +44,7 @@ def declared(meta: Mapping[str, str]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(words))
 
 
-def meaning(effect: Effect, mounts: tuple[str, ...] = ()) -> str:
+def meaning(effect: Effect, mounts: tuple[str, ...]) -> str:
     """Return what an effect means: in general, and on the mount that was declared.
 
     Where nothing was declared, what it would mean on each kind of mount that it concerns.

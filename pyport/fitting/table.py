@@ -66,7 +66,7 @@ def _combined(together: tuple[Combination, ...]) -> list[str]:
     return lines
 
 
-def _line(one: Value, largest: float | None = None) -> str:
+def _line(one: Value, largest: float | None) -> str:
     """Return a coefficient's line; one known in combination only, below `largest` [arcsec]."""
     name, value, sigma = complete.label(one), one.value, one.sigma or 0.0
     if not one.determined:
