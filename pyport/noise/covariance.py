@@ -272,6 +272,20 @@ class Covariance:
             values[sizes != 0] = np.linalg.solve(known, shared)[:, 0]
         return sizes * values
 
+    def drifted(self, residual: Array) -> Array:
+        """Return what drifts have moved readings by, as residuals show it [rad], shape (m,).
+
+        The best linear prediction, as of what departs.
+        """
+        pull = self.unwhiten(self.whiten(residual[:, None]))
+        moved = (residual - self.departed(residual))[:, None]
+        found = np.zeros(len(residual))
+        for one in self._whitenings:
+            rows = one.part.rows
+            drift = one.means(moved[rows])[:, 0] - one.variance * (one.part.sums @ pull[rows])[:, 0]
+            found[rows] = drift[one.part.pointing]
+        return found
+
     @cached_property
     def log_determinant(self) -> float:
         """Return the logarithm of the covariance's determinant, that of replicates left out."""

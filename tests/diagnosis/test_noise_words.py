@@ -145,7 +145,7 @@ def test_what_drifts_is_said_with_its_memory(drifting):
 def test_a_drift_that_widens_the_scatter_by_a_tenth_is_reported(excess, reported):
     """Whose variance is 0.21 of that of the scatter from pointing to pointing."""
     covariance = SimpleNamespace(
-        departed=np.zeros_like,
+        drifted=lambda left: left,
         shown=[SimpleNamespace(within=1.0, between=0.0, time_s=3600.0)],
         used=np.ones(40, bool),
         precision=np.ones(40),
@@ -159,7 +159,7 @@ def test_a_drift_that_widens_the_scatter_by_a_tenth_is_reported(excess, reported
         session_names=np.repeat(["a", "b"], 20),
     )
     diagnosis = SimpleNamespace(problem=problem, weighed=SimpleNamespace(covariance=covariance))
-    found = drifts(diagnosis, np.sqrt(1 + excess) * np.resize([1.0, -1.0], 40))
+    found = drifts(diagnosis, np.sqrt(excess) * np.resize([1.0, -1.0], 40))
 
     assert bool(found) == reported
 

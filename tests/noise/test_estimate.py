@@ -292,3 +292,22 @@ def test_readings_are_counted_once_where_some_pointings_have_several():
 
     assert found.means.start == len(data) == 180
     assert found.products_beside(made.possible, every, data.value[:, None])[1] == 180
+
+
+@pytest.mark.parametrize("readings", [1, 3])
+def test_what_drifts_have_moved_is_the_best_linear_prediction(readings):
+    """As the dense covariance has it; repeats of a pointing share it, an outlier tells nothing."""
+    rng = np.random.default_rng(5)
+    given = recordings(20, readings, np.zeros(20 * readings))
+    noise = Noise(0.4 if readings > 1 else 0.0, 0.7, ((1.5, 600.0), (0.5, 9000.0)))
+    covariance = plain(given, noise)
+    covariance.weights[3] = 0.0
+    left = rng.standard_normal(20 * readings)
+    time = given.at.numbers("time")
+    apart = np.abs(time[:, None] - time)
+    drift = sum(size**2 * np.exp(-apart / memory) for size, memory in noise.drifts)
+    white = noise.within**2 * np.eye(len(time)) + noise.between**2 * (apart == 0)
+    white[3, 3] += 1e6
+    wanted = drift @ np.linalg.solve(drift + white, left)
+
+    np.testing.assert_allclose(covariance.drifted(left), wanted, atol=1e-3)

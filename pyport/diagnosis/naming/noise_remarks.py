@@ -129,23 +129,23 @@ def by_elevation(diagnosis: Diagnosis) -> list[dict[str, Any]]:
 def drifts(diagnosis: Diagnosis, left: Array) -> list[dict[str, Any]]:
     """Return what a single antenna drifts by in each axis, and the sessions furthest from usual.
 
-    Rms of what a drift has moved the readings by, its memory, and the mean of the residuals
-    `left` (m,) of the lowest and the highest session, departures predicted; only where that widens
-    the scatter by a tenth and more, for means of sessions it may widen several times.
+    Rms of what a drift has moved the readings by, as the residuals `left` (m,) show it, its
+    memory, and their mean in the lowest and the highest session; only where that widens the scatter
+    by a tenth and more.
     """
     problem = diagnosis.problem
     if problem.blocks.antennas > 1:
         return []
     of_order = ORDER in problem.recordings.meta
     covariance = diagnosis.weighed.covariance
-    moved = left - covariance.departed(left)
+    moved = covariance.drifted(left)
     session = problem.session_names
     found = []
     for part, noise in zip(problem.parts, covariance.shown, strict=True):
         rows = part.rows[covariance.used[part.rows]]
         white = np.hypot(noise.within, noise.between) / np.sqrt(covariance.precision[rows])
-        excess = float((moved[rows] ** 2 - white**2).mean())
-        if noise.time_s is None or excess < (DRIFTS**2 - 1) * float((white**2).mean()):
+        power = float((moved[rows] ** 2).mean())
+        if noise.time_s is None or power < (DRIFTS**2 - 1) * float((white**2).mean()):
             continue
         names = set(session[rows].tolist())
         means = {one: float(left[rows][session[rows] == one].mean()) for one in names}
@@ -153,7 +153,7 @@ def drifts(diagnosis: Diagnosis, left: Array) -> list[dict[str, Any]]:
         found.append(
             {
                 "axis": problem.recordings.at.mount.names[part.is_y],
-                "rms_arcsec": float(np.sqrt(excess)) / ARCSEC,
+                "rms_arcsec": float(np.sqrt(power)) / ARCSEC,
                 "memory_s": None if of_order else noise.time_s,
                 "memory_rows": noise.time_s if of_order else None,
                 "lowest_session": low,
