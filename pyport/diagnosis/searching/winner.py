@@ -23,6 +23,7 @@ from pyport.diagnosis.searching.contenders import (
 from pyport.diagnosis.shapes import drive_waves
 from pyport.diagnosis.trial import CandidateFit
 from pyport.diagnosis.weighing import WhitenedData
+from pyport.effects.base import HELD
 from pyport.thresholds import CONVINCING, LEADS, MOST_TRIED, PER_SHAPE, UNSEEN_SHARE
 
 #: Evidence that a candidate of a case must exceed.
@@ -48,12 +49,13 @@ def _scopes(candidate: Candidate, blocks: Blocks) -> list[str]:
     A clock is one for all antennas; a mount does not change from session to
     session, and the effects of epochs are there for the one that does. Only an
     array can show what is common to its antennas in a session, so there every
-    scope is tried.
+    scope is tried, but for the place where an antenna stands.
     """
     effect, there = candidate.effect, blocks.scopes()
     if not effect.physical:
         return ["all"]
-    if effect.is_change:
+    place = effect.in_arrays == HELD and effect.common == "antenna"
+    if effect.is_change or place:
         there = [scope for scope in there if "session" not in scope]
     if effect.common != "antenna":
         return [scope for scope in there if "antenna" not in scope]

@@ -1098,11 +1098,12 @@ def test_what_nights_and_sources_may_do_is_confounded_in_a_single_antenna(
     [
         ("epoch_tilt", ["all", "antenna"]),
         ("refraction", ["all", "session"]),
+        ("site_longitude", ["all", "antenna"]),
         ("tilt", ["all", "session", "antenna", "antenna and session"]),
     ],
 )
 def test_scopes_are_those_that_physics_allows(effect, scopes):
-    """A clock is one for all antennas; a mount has its own."""
+    """A clock is one for all antennas; a mount has its own, and its place does not change."""
     every = ["all", "session", "antenna", "antenna and session"]
     found = winner._scopes(candidate(effect), SimpleNamespace(scopes=lambda: every))
 
