@@ -114,6 +114,12 @@ def contribution(problem: Problem, joint: Joint, choice: int) -> Array:
     return problem.expanded([joint.choices[choice]]) @ joint.solution.values[joint.slice(choice)]
 
 
+def without_found(problem: Problem, joint: Joint) -> Array:
+    """Return the offsets less what was found beside the model [rad], shape (m,)."""
+    found = range(len(problem.base), len(joint.choices))
+    return problem.stack.value - sum(contribution(problem, joint, one) for one in found)
+
+
 def visible(problem: Problem, weighed: WhitenedData, curve: Array) -> Array:
     """Return what is left of a curve (m,) after the base took its share."""
     base = problem.expanded(problem.base)

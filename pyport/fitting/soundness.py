@@ -13,7 +13,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.angles import DEG, Array
+from pyport.angles import ARCSEC, DEG, Array
 from pyport.effects.base import Circumstances
 from pyport.effects.degeneracies import BY_ELEVATION
 from pyport.fitting import misread
@@ -21,6 +21,7 @@ from pyport.fitting.fit import Coefficients, Fit
 from pyport.fitting.two_axes import UNLIKELY
 from pyport.noise import outliers
 from pyport.recordings.schema import Recordings, Stack
+from pyport.thresholds import MOSTLY
 
 PER_AXIS = "root mean square per axis, outliers excluded, not reduced for fitted terms"
 ON_SKY = (
@@ -50,6 +51,39 @@ def rms_of(data: Stack, residual: Array, used: NDArray[np.bool_]) -> list[tuple[
     square = residual**2
     several = square[across], square[along], square[across[x]] + square[along[y]]
     return [(float(np.sqrt(one.mean())), len(one)) if len(one) else None for one in several]
+
+
+def neglected(data: Stack, at: Circumstances, value: Array) -> float:
+    """Return what a model that is linear in its terms neglects of such offsets, rms [rad].
+
+    Each term turns what the others do: their products are lost. Zeros by themselves turn nothing,
+    so that the size of offsets counts times what they vary by. Of exact rotations with errors of
+    0.1 to 1 deg the linear fit leaves a third of that to as much.
+
+    `value`: what mount and sky do to each number [rad], shape (m,).
+    """
+    size, vary = np.zeros(len(at)), np.zeros(len(at))
+    for is_y, zero in ((False, at.onto_sky), (True, np.ones(len(at)))):
+        own = data.is_y == is_y
+        row, offset, unit = data.row[own], value[own], zero[data.row[own]]
+        level = float(unit @ offset) / max(float(unit @ unit), 1e-300)
+        size += np.bincount(row, offset**2, len(at))
+        vary += np.bincount(row, (offset - level * unit) ** 2, len(at))
+    return float(np.sqrt(np.mean(size * vary)))
+
+
+def linear(data: Stack, at: Circumstances, value: Array, left: float) -> Iterator[str]:
+    """Yield that offsets are too large for a model that is linear in its terms, if they are.
+
+    `data`, `at`, `value`: as for `neglected`; `left`: what a fit leaves of them, rms [rad].
+    """
+    lost = neglected(data, at, value)
+    if lost > MOSTLY * left:
+        yield (
+            f"offsets of up to {largest_offset(data, at) / DEG:.2g} deg are too large for terms "
+            f"that only add up: about {lost / ARCSEC:.2g} arcsec rms are lost; enter the fitted "
+            "terms and record again"
+        )
 
 
 #: Belsley, Kuh & Welsch 1980, Regression Diagnostics: moderate to strong dependencies above 30.
@@ -137,6 +171,9 @@ def warnings(fit: Fit) -> Iterator[str]:
     if (other := misread.of_fit(fit)) is not None:
         yield other.of_fit
     yield from outliers.shared(fit.recordings, fit.stack, fit.noise.used)
+    used = fit.noise.used
+    left = float(np.sqrt(np.mean(fit.residual[used] ** 2))) if used.any() else np.inf
+    yield from linear(fit.stack, fit.recordings.at, fit.stack.value, left)
     everything = named(fit)
     unknown = [name for name, one, n in everything if not np.isfinite(one.value[n])]
     if unknown:

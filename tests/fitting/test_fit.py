@@ -6,12 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pyport.angles import ARCSEC
+from pyport.angles import ARCSEC, DEG
 from pyport.effects import CATALOGUE, Circumstances
 from pyport.effects.circumstances import Site
 from pyport.effects.empirical import fields as empirical
 from pyport.errors import BadInput
 from pyport.fitting.fit import fit, leftover_text
+from pyport.fitting.soundness import linear, neglected
 from pyport.formats import models
 from pyport.least_squares.gram import Solution
 from pyport.models.model import CLASSICAL_TERMS, Term
@@ -174,3 +175,43 @@ def test_a_field_that_says_how_far_it_may_be_from_its_values_is_fitted_to_few_re
     assert all(one.term.effect.id != "unknown" for one in fit(few, held).coefficients)
     np.testing.assert_allclose(of_field.value, given, atol=0.02 * ARCSEC)
     np.testing.assert_allclose(of_field.sigma, 0.01 * ARCSEC, rtol=0.3)
+
+
+def turned_by(at, tilt, collimation, zero):
+    """Return x and y of an axis that leans toward north and a beam off its axis, by rotations."""
+    beam = np.stack([np.cos(at.el) * np.ones_like(at.az), np.zeros_like(at.az), np.sin(at.el)])
+    # The beam lies beside the plane in which elevation turns.
+    beam = np.cos(collimation) * beam + np.sin(collimation) * np.array([[0.0], [1.0], [0.0]])
+    turn = at.az + zero
+    north = np.cos(turn) * beam[0] - np.sin(turn) * beam[1]
+    east = np.sin(turn) * beam[0] + np.cos(turn) * beam[1]
+    north, up = (
+        np.cos(tilt) * north + np.sin(tilt) * beam[2],
+        np.cos(tilt) * beam[2] - np.sin(tilt) * north,
+    )
+    az, el = np.arctan2(east, north), np.arctan2(up, np.hypot(north, east))
+    return np.cos(at.el) * ((az - at.az + np.pi) % (2 * np.pi) - np.pi), el - at.el
+
+
+@pytest.mark.parametrize("size_deg", [0.02, 0.2, 1.0])
+def test_what_terms_lose_that_only_add_up_is_known_to_a_factor_of_three(size_deg):
+    """Of exact rotations: what the fit leaves of them without any noise."""
+    made = simulated(200, 0.0, 1)
+    size = size_deg * DEG
+    x, y = turned_by(made.at, size, -size, 1.3 * size)
+    found = fit(replace(made, x=x, y=y), models.load("altaz"), weights="equal")
+    lost = neglected(found.stack, made.at, found.stack.value)
+    left = np.sqrt(np.mean(found.residual**2))
+
+    assert left / 3 < lost < 3 * left
+    assert list(linear(found.stack, made.at, found.stack.value, 2.1 * lost)) == []
+    assert "only add up" in next(linear(found.stack, made.at, found.stack.value, 1.9 * lost))
+
+
+def test_zeros_alone_lose_nothing():
+    """However large; of large offsets nothing is said where there is nothing to lose."""
+    made = simulated(50, 0.0, 1)
+    far = replace(made, x=3 * DEG * np.cos(made.at.el), y=np.full(50, -2 * DEG))
+    found = fit(far, models.load("altaz"), weights="equal")
+
+    assert neglected(found.stack, made.at, found.stack.value) < 1e-3 * ARCSEC

@@ -117,6 +117,7 @@ def refusal(
     """
     return (
         _too_few(scene, seen)
+        or _neglected(scene, effect, seen)
         or _one_session(scene, effect, since)
         or _one_night(scene, effect)
         or _once_only(scene, effect, seen)
@@ -139,6 +140,17 @@ def _too_few(scene: Scene, seen: Array) -> Refusal | None:
             "record more pointings where it is seen",
         )
     return None
+
+
+def _neglected(scene: Scene, effect: Effect, seen: Array) -> Refusal | None:
+    """Refuse what lasts and is smaller than what terms lose that only add up."""
+    if effect.changes_with or float(np.sqrt(np.mean(seen[seen != 0] ** 2))) > scene.neglected:
+        return None
+    return Refusal(
+        "it is smaller than what a model of terms that only add up loses of offsets so large, "
+        f"about {scene.neglected / ARCSEC:.2g} arcsec",
+        "enter the fitted terms and record again",
+    )
 
 
 def carriers(scene: Scene, seen: Array) -> float:

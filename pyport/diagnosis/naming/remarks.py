@@ -9,11 +9,11 @@ import numpy as np
 
 from pyport.angles import ARCSEC
 from pyport.diagnosis.candidates import conditions
-from pyport.diagnosis.joint import Joint
+from pyport.diagnosis.joint import Joint, rms, without_found
 from pyport.diagnosis.naming.guards import smallest_seen
 from pyport.diagnosis.naming.noise_remarks import DIFFER, NoiseRemarks
 from pyport.effects.empirical.conditions import MOST_DRIVERS, OF_WEATHER, untried
-from pyport.fitting.soundness import doubts
+from pyport.fitting.soundness import doubts, linear
 from pyport.models.conditions import undetermined
 from pyport.thresholds import FAMILY_ERROR, MOST_FINDINGS
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 def warnings(diagnosis: Diagnosis, noise: NoiseRemarks) -> list[str]:
     """Return a sentence for everything that a user should know before trusting the numbers."""
-    found = [*noise.outlying]
+    found = [*noise.outlying, *_lost(diagnosis)]
     alone = list(_of(diagnosis, diagnosis.before))
     found += [f"fit of the model: {one}" for one in alone]
     if diagnosis.findings:
@@ -40,6 +40,14 @@ def warnings(diagnosis: Diagnosis, noise: NoiseRemarks) -> list[str]:
             f"{', '.join(left)}"
         )
     return found
+
+
+def _lost(diagnosis: Diagnosis) -> Iterator[str]:
+    """Yield that the offsets are too large for terms that only add up, if they are."""
+    problem, after = diagnosis.problem, diagnosis.after
+    left = rms(diagnosis.left(after), diagnosis.share)
+    value = without_found(problem, after)
+    yield from linear(problem.stack, problem.recordings.at, value, left)
 
 
 def _of(diagnosis: Diagnosis, fit: Joint) -> Iterator[str]:

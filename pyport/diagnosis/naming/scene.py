@@ -15,15 +15,16 @@ from pyport.diagnosis import holdout
 from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.disagreements import cuts
 from pyport.diagnosis.holdout import unseen
-from pyport.diagnosis.joint import Joint, combined, contribution, rms, sigmas
+from pyport.diagnosis.joint import Joint, combined, contribution, rms, sigmas, without_found
 from pyport.diagnosis.naming.classes import agrees
 from pyport.diagnosis.naming.finding import Evidence, HeldOut, Parameter
 from pyport.diagnosis.searching.turns import Outcome, Step
 from pyport.diagnosis.weighing import WhitenedData
 from pyport.effects.base import Coefficient
 from pyport.fitting.combinations import Combination
+from pyport.fitting.soundness import neglected
 from pyport.least_squares.gram import Gram, Part
-from pyport.thresholds import AXIS_SHARE, GROSS, REFUTES, SAME_STRENGTH
+from pyport.thresholds import AXIS_SHARE, GROSS, MOSTLY, REFUTES, SAME_STRENGTH
 
 
 @dataclass(frozen=True)
@@ -49,6 +50,17 @@ class Scene:
     def combinations(self) -> tuple[Combination, ...]:
         """Return what the joint fit knows of coefficients that it does not know alone."""
         return combined(self.problem, self.joint)
+
+    @cached_property
+    def neglected(self) -> float:
+        """Return what the model's terms, which only add up, lose of offsets, rms [rad].
+
+        0 where that is lost in the noise.
+        """
+        problem, value = self.problem, without_found(self.problem, self.joint)
+        lost = neglected(problem.stack, problem.recordings.at, value)
+        left = rms(problem.residual - self.joint.predicted, self.share)
+        return lost if lost > MOSTLY * left else 0.0
 
     def combination(self, choice: int) -> Combination | None:
         """Return the combination that a choice's coefficients are known in, None if alone."""

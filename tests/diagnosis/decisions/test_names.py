@@ -393,10 +393,28 @@ def scene_of(times, values=None, sessions=None, **more):
         problem=case,
         weighed=SimpleNamespace(used=np.ones(len(times), bool)),
         floor=np.ones(len(times)),
+        neglected=more.get("neglected", 0.0),
         joint=SimpleNamespace(
             solution=SimpleNamespace(rank=more.get("rank", 7)), predicted=np.zeros(len(times))
         ),
     )
+
+
+@pytest.mark.parametrize(
+    ("effect", "seen", "refused"),
+    [
+        ("azimuth_eccentricity", 0.9, True),
+        ("azimuth_eccentricity", 1.1, False),
+        ("epoch_offset", 0.9, False),
+    ],
+)
+def test_what_is_smaller_than_what_terms_lose_has_no_name(effect, seen, refused):
+    """Whatever lasts: products of the model's terms do not change with time."""
+    scene = scene_of(np.arange(40), sessions=np.arange(40) // 20, neglected=1.0)
+    found = guards.refusal(scene, candidate(effect).effect, np.resize([seen, -seen, 0.0], 40))
+
+    assert (found is not None) == refused
+    assert not refused or "only add up" in found.reason
 
 
 @pytest.mark.parametrize(

@@ -32,6 +32,7 @@ from pyport.diagnosis.trial import at_best
 from pyport.noise.covariance import Covariance
 from pyport.noise.estimation.frame import Frame
 from pyport.noise.series import Departures, Noise
+from pyport.recordings.schema import Stack
 
 QUIET = lambda _: None  # noqa: E731
 WEIGHED = SimpleNamespace(covariance=None)
@@ -122,7 +123,8 @@ def warned(at, turns=0):
         SimpleNamespace(
             problem=SimpleNamespace(
                 residual=np.zeros(100),
-                stack=None,
+                base=(),
+                stack=Stack(np.arange(40), np.zeros(40, bool), np.zeros(40)),
                 recordings=SimpleNamespace(at=at, meta={}),
                 precision=lambda _: np.zeros(1),
             ),
@@ -130,6 +132,8 @@ def warned(at, turns=0):
             after=fit,
             findings=(),
             steps=(0,) * turns,
+            left=lambda _: np.ones(40),
+            share=np.ones(40),
             weighed=SimpleNamespace(used=np.ones(100, bool)),
         ),
         QUIET_NOISE,
