@@ -193,7 +193,11 @@ def _misread(
     named = tuple(one for one in found if one.candidate.effect.physical)
     fits = after if named == found else joint.fit(problem, weighed, named), after
     of_names, of_all = (
-        Fitted(problem.residual - fit.predicted, sum(problem.part(one).size for one in some))
+        Fitted(
+            problem.residual - fit.predicted,
+            sum(problem.part(one).size for one in some),
+            sum(one.candidate.effect.physical for one in some),
+        )
         for fit, some in zip(fits, (named, found), strict=True)
     )
     other = misread(problem.recordings, problem.model, refit, weighed.used, of_names, of_all)

@@ -174,7 +174,7 @@ def of_fit(fit: Fit) -> tuple[Combination, ...]:
     for one in fit.coefficients:
         effect = one.term.effect
         coefficients += list(effect.coefficients)
-        held = one.term.values or (0.0,) * len(effect.coefficients)
+        held = one.term.given(one.labels)
         given += list(held)
         values += (one.value - np.array(held)).tolist()
     terms = [*{id(one.term): one.term for one in fit.coefficients}.values()]

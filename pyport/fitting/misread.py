@@ -10,8 +10,9 @@ zero of the first angle does.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +24,7 @@ from pyport.least_squares.gram import spanned
 from pyport.models.model import Model
 from pyport.noise.pointings import pointings
 from pyport.recordings.schema import Recordings, Stack, group, stack
-from pyport.thresholds import MOSTLY, NAME_PRICE, OUT_OF_REACH
+from pyport.thresholds import CONVINCING, MOSTLY, NAME_PRICE, OUT_OF_REACH
 
 
 @dataclass(frozen=True)
@@ -76,13 +77,14 @@ class Misread:
 
 @dataclass(frozen=True)
 class Fitted:
-    """A fit: what it leaves [rad], shape (m,), and its coefficients beside the model's.
+    """A fit: what it leaves [rad], shape (m,), its coefficients beside the model's, and names.
 
-    Each of them costs log m.
+    Each coefficient costs log m, each name what a name does.
     """
 
     left: Array
     coefficients: int = 0
+    names: int = 0
 
 
 def misread(
@@ -96,8 +98,8 @@ def misread(
     """Return how a file may have been misread, None where no other reading fits much better.
 
     Readings are compared by the likelihood of Laplace's distribution of either axis, that of a
-    reading by the model alone with that of the model and all effects as the file stands. Each thing
-    that is read otherwise costs what a name does.
+    reading by the model alone with that of the model as the file stands, and of the model with all
+    effects: a name costs as much as a thing that is read otherwise.
 
     Parameters
     ----------
@@ -114,8 +116,9 @@ def misread(
     if len(np.unique(recordings.label("antenna"))) > 1 or not len(numbers.rows):
         return None
     (as_it_stands, *_), *others = _refitted(recordings, model, refit, numbers)
-    misfit, words, left, scale = min(others, key=lambda one: one[0] + NAME_PRICE * len(one[1]))
-    if misfit > min(as_it_stands, numbers.misfit_of(named)) - OUT_OF_REACH:
+    misfit, words, left, scale = min(others, key=_priced)
+    priced = _priced((misfit, words))
+    if misfit > as_it_stands - OUT_OF_REACH or priced > numbers.misfit_of(named) - CONVINCING:
         return _of_given(recordings, model, numbers)
     if every is not None and misfit > numbers.misfit_of(every):
         return None
@@ -123,6 +126,12 @@ def misread(
         float(np.sqrt(np.mean(one**2))) / ARCSEC for one in (named.left[numbers.rows] * scale, left)
     )
     return Misread(words, now, was)
+
+
+def _priced(reading: Sequence[Any]) -> float:
+    """Return the misfit of a reading, each thing that it takes for something else paid for."""
+    misfit, words = reading[:2]
+    return float(misfit + NAME_PRICE * len(words))
 
 
 def _of_given(recordings: Recordings, model: Model, numbers: _Numbers) -> Misread | None:
@@ -193,7 +202,8 @@ class _Numbers:
     def misfit_of(self, fitted: Fitted) -> float:
         """Return the same of a fit to the file as it stands, its coefficients paid for."""
         price = float(np.log(self.measured.max() + 1))
-        return self.misfit(self.centred(fitted.left[self.rows])) + fitted.coefficients * price
+        paid = fitted.coefficients * price + fitted.names * NAME_PRICE
+        return self.misfit(self.centred(fitted.left[self.rows])) + paid
 
 
 def _numbers(recordings: Recordings, used: NDArray[np.bool_]) -> _Numbers:

@@ -25,6 +25,8 @@ TIME = 15.0
 #: Units of angles that are mistaken for each other, the larger over the smaller: mdeg, seconds of
 #: time or arcmin for arcsec, mrad, deg, rad.
 UNITS = (3.6, TIME, 60.0, 206.265, 3600.0, 206265.0)
+#: So many of them are tried: offsets of one session may be several times as large as another's.
+MOST_UNITS = 3
 
 
 class Reading(NamedTuple):
@@ -81,8 +83,7 @@ def offsets(recordings: Recordings, here: Circumstances, model: Model) -> Iterat
 def _of_sessions(recordings: Recordings) -> Iterator[Reading]:
     """Yield the offsets with the sign of one session turned, or read in another unit.
 
-    In either axis or in both; the unit is the one that makes the session's offsets most like the
-    others' in size.
+    In either axis or in both.
     """
     x, y, (across, along) = recordings.x, recordings.y, recordings.at.mount.names
     session, names = group(recordings, ("session",))
@@ -92,20 +93,20 @@ def _of_sessions(recordings: Recordings) -> Iterator[Reading]:
         for axes, of_x, of_y in sides:
             how = f"the offsets in {axes} of session {name} have the sign opposite to the others'"
             yield Reading((how,), of_x, of_y)
-        if (times := _unit(x, y, session == code)) != 1.0:
+        for times in _units(x, y, session == code):
             scale = np.where(session == code, times, 1.0)
             size = f"{times:.4g} times as large as" if times > 1 else f"1/{1 / times:.4g} of"
             how = f"the offsets of session {name} are in a unit {size} the others'"
             yield Reading((how,), x * scale, y * scale, scale, scale)
 
 
-def _unit(x: Array, y: Array, own: NDArray[np.bool_]) -> float:
-    """Return by which ratio of units a session's offsets are nearest to the others', 1 for none."""
+def _units(x: Array, y: Array, own: NDArray[np.bool_]) -> list[float]:
+    """Return the ratios of units that make a session's offsets most like the others' in size."""
     size, usual = (_spread(x, y, rows) for rows in (own, ~own))
     if not (size > 0 and usual > 0):
-        return 1.0
-    ratios = [1.0, *UNITS, *(1 / one for one in UNITS)]
-    return min(ratios, key=lambda one: abs(np.log(one * size / usual)))
+        return []
+    ratios = [*UNITS, *(1 / one for one in UNITS)]
+    return sorted(ratios, key=lambda one: abs(np.log(one * size / usual)))[:MOST_UNITS]
 
 
 def _spread(x: Array, y: Array, rows: NDArray[np.bool_]) -> float:

@@ -165,6 +165,28 @@ def test_a_reading_that_leaves_more_than_curves_without_a_name_explains_nothing(
     assert told[1] is None
 
 
+@pytest.mark.parametrize(("names", "said"), [(0, False), (1, False), (2, True)])
+def test_two_names_are_worth_no_more_than_one_thing_read_otherwise(names, said):
+    """A name costs as much, and beyond that the reading has to convince."""
+    measured = recordings(300, 9)
+    found = fit(replace(measured, x=-measured.x), ALTAZ)
+    right = fit(measured, ALTAZ).residual
+    other = misread(found.recordings, ALTAZ, None, found.noise.used, Fitted(right, 0, names))
+
+    assert (other is not None) == said
+
+
+@pytest.mark.parametrize("times", [60.0, 1 / 3600.0])
+def test_a_session_in_another_unit_is_named_with_it(times):
+    """Where its offsets are by chance smaller or larger than the others', too."""
+    measured = recordings(300, 9)
+    own = measured.at.column("session") == "s2"
+    scale = np.where(own, 1 / times, 1.0)
+    far = replace(measured, x=(measured.x + 100 * ARCSEC * own) * scale, y=measured.y * scale)
+
+    assert f"unit {'60 times' if times == 60 else '1/3600 of'}" in of_fit(fit(far, ALTAZ)).of_fit
+
+
 def test_nights_that_differ_in_their_zeros_are_not_taken_for_signs():
     """A night off by as much the other way has no shape that says so."""
     night = {"s0": 20.0, "s1": 20.0, "s2": -20.0, "s3": 20.0}

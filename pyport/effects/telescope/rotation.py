@@ -39,7 +39,14 @@ OFFSETS_AND_SIZES = MEASURED | {
     *("fwhm", "beam", "width", "size", "seeing", "separation"),
 }
 #: An angle that has one of these in its name turns no image.
-NO_ROTATION = PLACES | OFFSETS_AND_SIZES | {"sun", "moon", "wind", "dome"}
+NO_ROTATION = (
+    PLACES
+    | OFFSETS_AND_SIZES
+    | {
+        *("sun", "moon", "wind", "dome"),
+        *("slew", "slewed", "distance", "dist", "travel", "step", "lag", "length", "move", "moved"),
+    }
+)
 
 Angle = Callable[[Circumstances], Array]
 
