@@ -21,7 +21,7 @@ from pyport.fitting.fit import Coefficients, Fit
 from pyport.fitting.two_axes import UNLIKELY
 from pyport.noise import outliers
 from pyport.recordings.schema import Recordings, Stack
-from pyport.thresholds import MOSTLY
+from pyport.thresholds import FEWEST, MOSTLY
 
 PER_AXIS = "root mean square per axis, outliers excluded, not reduced for fitted terms"
 ON_SKY = (
@@ -30,13 +30,14 @@ ON_SKY = (
 )
 
 
-def largest_offset(data: Stack, at: Circumstances) -> float:
+def largest_offset(data: Stack, at: Circumstances, used: NDArray[np.bool_] | None = None) -> float:
     """Return the largest offset of either axis as it reads the telescope [rad].
 
-    Of the first axis that is x over the cosine of the second: x / cos E.
+    Of the first axis that is x over the cosine of the second: x / cos E. Of those `used`, (m,).
     """
     reading = np.where(data.is_y, 1.0, np.maximum(np.abs(at.onto_sky), 1e-3)[data.row])
-    return float((np.abs(data.value) / reading).max(initial=0.0))
+    own = np.abs(data.value) / reading
+    return float(own.max(initial=0.0, where=True if used is None else used))
 
 
 def rms_of(data: Stack, residual: Array, used: NDArray[np.bool_]) -> list[tuple[float, int] | None]:
@@ -53,18 +54,18 @@ def rms_of(data: Stack, residual: Array, used: NDArray[np.bool_]) -> list[tuple[
     return [(float(np.sqrt(one.mean())), len(one)) if len(one) else None for one in several]
 
 
-def neglected(data: Stack, at: Circumstances, value: Array) -> float:
+def neglected(data: Stack, at: Circumstances, value: Array, used: NDArray[np.bool_]) -> float:
     """Return what a model that is linear in its terms neglects of such offsets, rms [rad].
 
     Each term turns what the others do: their products are lost. Zeros by themselves turn nothing,
     so that the size of offsets counts times what they vary by. Of exact rotations with errors of
     0.1 to 1 deg the linear fit leaves a third of that to as much.
 
-    `value`: what mount and sky do to each number [rad], shape (m,).
+    `value`, `used`: what mount and sky do to each number [rad], and which are no outliers, (m,).
     """
     size, vary = np.zeros(len(at)), np.zeros(len(at))
     for is_y, zero in ((False, at.onto_sky), (True, np.ones(len(at)))):
-        own = data.is_y == is_y
+        own = used & (data.is_y == is_y)
         row, offset, unit = data.row[own], value[own], zero[data.row[own]]
         level = float(unit @ offset) / max(float(unit @ unit), 1e-300)
         size += np.bincount(row, offset**2, len(at))
@@ -72,17 +73,19 @@ def neglected(data: Stack, at: Circumstances, value: Array) -> float:
     return float(np.sqrt(np.mean(size * vary)))
 
 
-def linear(data: Stack, at: Circumstances, value: Array, left: float) -> Iterator[str]:
+def linear(
+    data: Stack, at: Circumstances, value: Array, used: NDArray[np.bool_], left: float
+) -> Iterator[str]:
     """Yield that offsets are too large for a model that is linear in its terms, if they are.
 
-    `data`, `at`, `value`: as for `neglected`; `left`: what a fit leaves of them, rms [rad].
+    `data`, `at`, `value`, `used`: as for `neglected`; `left`: what a fit leaves, rms [rad].
     """
-    lost = neglected(data, at, value)
+    lost = neglected(data, at, value, used)
     if lost > MOSTLY * left:
+        most = largest_offset(data, at, used) / DEG
         yield (
-            f"offsets of up to {largest_offset(data, at) / DEG:.2g} deg are too large for terms "
-            f"that only add up: about {lost / ARCSEC:.2g} arcsec rms are lost; enter the fitted "
-            "terms and record again"
+            f"offsets of up to {most:.2g} deg are too large for terms that only add up: about "
+            f"{lost / ARCSEC:.2g} arcsec rms are lost; enter the fitted terms and record again"
         )
 
 
@@ -172,8 +175,9 @@ def warnings(fit: Fit) -> Iterator[str]:
         yield other.of_fit
     yield from outliers.shared(fit.recordings, fit.stack, fit.noise.used)
     used = fit.noise.used
-    left = float(np.sqrt(np.mean(fit.residual[used] ** 2))) if used.any() else np.inf
-    yield from linear(fit.stack, fit.recordings.at, fit.stack.value, left)
+    if used.sum() - len(fit.covariance) >= FEWEST:
+        left = float(np.sqrt(np.mean(fit.residual[used] ** 2)))
+        yield from linear(fit.stack, fit.recordings.at, fit.stack.value, used, left)
     everything = named(fit)
     unknown = [name for name, one, n in everything if not np.isfinite(one.value[n])]
     if unknown:

@@ -42,6 +42,7 @@ def scene(size_of_night, seed=0, per_night=12, sigma=1.0, session=None):
             problem=problem,
             weighed=SimpleNamespace(used=np.ones(len(night), bool)),
             joint=SimpleNamespace(predicted=curve, solution=SimpleNamespace(rank=3)),
+            neglected=0.0,
             floor=np.full(len(night), sigma),
         ),
         mine,

@@ -47,7 +47,8 @@ def _lost(diagnosis: Diagnosis) -> Iterator[str]:
     problem, after = diagnosis.problem, diagnosis.after
     left = rms(diagnosis.left(after), diagnosis.share)
     value = without_found(problem, after)
-    yield from linear(problem.stack, problem.recordings.at, value, left)
+    if diagnosis.too_few is None:
+        yield from linear(problem.stack, problem.recordings.at, value, diagnosis.weighed.used, left)
 
 
 def _of(diagnosis: Diagnosis, fit: Joint) -> Iterator[str]:

@@ -58,7 +58,7 @@ class Scene:
         0 where that is lost in the noise.
         """
         problem, value = self.problem, without_found(self.problem, self.joint)
-        lost = neglected(problem.stack, problem.recordings.at, value)
+        lost = neglected(problem.stack, problem.recordings.at, value, self.weighed.used)
         left = rms(problem.residual - self.joint.predicted, self.share)
         return lost if lost > MOSTLY * left else 0.0
 

@@ -134,7 +134,8 @@ def warned(at, turns=0):
             steps=(0,) * turns,
             left=lambda _: np.ones(40),
             share=np.ones(40),
-            weighed=SimpleNamespace(used=np.ones(100, bool)),
+            weighed=SimpleNamespace(used=np.ones(40, bool)),
+            too_few=None,
         ),
         QUIET_NOISE,
     )
