@@ -78,8 +78,9 @@ def diagnose(
     from pyport import pipeline
     from pyport.recordings.files import read_survey
 
-    if out is None and save is None:
-        raise click.UsageError("nothing to write: give --out FOLDER, --save MODEL.toml or both")
+    kept = out is not None or save is not None
+    if quiet and not kept:
+        raise click.UsageError("nothing to print or write: give --out, --save, or no --quiet")
     if save is not None and len(recordings) + (each is not None) > 1:
         raise click.UsageError("--save keeps one model: give one file of recordings")
     survey = None if antennas is None else read_survey(antennas)
@@ -104,6 +105,8 @@ def diagnose(
             taken = sorted(done.seconds.items(), key=lambda one: -one[1])
             parts = ", ".join(f"{name} {seconds:.2f} s" for name, seconds in taken)
             click.echo(f"{sum(done.seconds.values()):.2f} s: {parts}\n", err=as_json)
+    if not kept and not as_json:
+        click.echo("Nothing was written: --out FOLDER keeps the page, its numbers and pictures.")
 
 
 @click.command(

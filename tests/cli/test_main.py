@@ -100,6 +100,7 @@ def test_a_bad_file_is_one_line_that_names_file_and_line(called, tmp_path, conte
         ("diagnose", "gmrt-2003-06-01", "--model", "nonsense", "--out", "out"),
         ("diagnose", "gmrt-2003-06-01", "--refit", "nonsense", "--out", "out"),
         ("fit", "gmrt-2003-06-01", "--model", "nonsense"),
+        ("diagnose", "gmrt-2003-06-01", "--quiet"),
         ("diagnose", "gmrt-2003-06-01", "--out", "out", "--jobs", "0"),
         ("diagnose", "gmrt-2003-06-01", "--out", "out", "--seed", "-1"),
         ("dev", "nulls", "--jobs", "-3"),
@@ -179,6 +180,18 @@ def test_a_diagnosis_leaves_report_rows_and_pictures(nights):
         assert report == json.loads((folder / "report.json").read_text())
         assert (folder / "rows.csv").stat().st_size > 0
         assert list(folder.glob("finding-1-*.png"))
+
+
+@pytest.mark.slow
+def test_a_diagnosis_may_only_be_printed(nights, tmp_path, monkeypatch):
+    """As it is beside a folder of reports, and what a folder would keep."""
+    names, *_ = nights
+    monkeypatch.chdir(tmp_path)
+    printed = CliRunner().invoke(command_line, ["diagnose", str(names[0])]).output
+
+    assert "1. refraction" in printed
+    assert "--out FOLDER keeps" in printed
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.slow
