@@ -8,6 +8,7 @@ from diagnosis.made import recordings
 
 from pyport.angles import ARCSEC
 from pyport.diagnosis.diagnose import diagnose
+from pyport.fitting import readings
 from pyport.fitting.fit import completed, fit
 from pyport.fitting.misread import Fitted, misread, of_fit
 from pyport.formats.models import load
@@ -185,6 +186,18 @@ def test_a_session_in_another_unit_is_named_with_it(times):
     far = replace(measured, x=(measured.x + 100 * ARCSEC * own) * scale, y=measured.y * scale)
 
     assert f"unit {'60 times' if times == 60 else '1/3600 of'}" in of_fit(fit(far, ALTAZ)).of_fit
+
+
+@pytest.mark.parametrize("larger", [1 / 4.3, 1.0, 4.3])
+def test_three_units_allow_for_a_session_of_larger_or_smaller_offsets(larger):
+    """Arcminutes are the third that is tried where offsets are 4.3 times as large as usual."""
+    spread = np.tile([-1.0, 1.0], 60)
+    own = np.arange(120) < 40
+    offsets = np.where(own, larger / 60 * spread, spread)
+    tried = readings._units(offsets, offsets, own)
+
+    assert 60.0 in tried
+    assert len(tried) == 3
 
 
 def test_nights_that_differ_in_their_zeros_are_not_taken_for_signs():
