@@ -183,7 +183,7 @@ def _common_excess(
     left = (left * shown)[covariance.means]
     explained = np.split(left[:, :-1], np.cumsum([len(one) for one in columns[1:]])[:-1], axis=1)
     offset = covariance.whiten(np.ones((len(problem.residual), 1)))[covariance.means, 0]
-    return common_mode.excess(left[:, -1], offset, explained, problem.scan)
+    return common_mode.excess(left[:, -1], offset, explained, model[covariance.means], problem.scan)
 
 
 @dataclass(frozen=True)

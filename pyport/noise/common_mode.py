@@ -11,13 +11,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from pyport.angles import Array, Codes
 from pyport.least_squares.gram import spanned
 from pyport.thresholds import ENOUGH_ANTENNAS, FEWEST, PER_SHAPE
-
-#: The median of the square of a standard normal number.
-_MEDIAN_SQUARE = 0.4549364231195724
 
 
 @dataclass(frozen=True)
@@ -32,7 +30,9 @@ class Excess:
     dof: float = np.inf
 
 
-def excess(left: Array, weight: Array, explained: Sequence[Array], scan: Codes) -> Excess:
+def excess(
+    left: Array, weight: Array, explained: Sequence[Array], model: Array, scan: Codes
+) -> Excess:
     """Return how much more scans scatter in common than independent antennas would.
 
     Beside whatever explains most of that: noise is what is left of the best explanation. Beside
@@ -46,29 +46,30 @@ def excess(left: Array, weight: Array, explained: Sequence[Array], scan: Codes) 
         What one radian of a common offset does to each of them (one over its
         scatter), shape (m,), zero where there is none.
     explained
-        Whitened columns of each candidate beside the model, shape (m, k).
+        What the model leaves of each candidate's whitened columns, shape (m, k).
+    model
+        Orthonormal directions that span the model, shape (m, p): what it has fitted is missing.
     scan
         The scan of each, shape (m,).
     """
-    there = weight > 0
-    antennas = np.bincount(scan[there])
-    total = np.bincount(scan[there], weight[there] ** 2)
-    scans = np.flatnonzero(antennas >= ENOUGH_ANTENNAS)
-    if len(scans) < FEWEST:
+    there = np.flatnonzero(weight)
+    scans = np.flatnonzero(np.bincount(scan[there]) >= ENOUGH_ANTENNAS)
+    there = there[np.isin(scan[there], scans)]
+    place = np.searchsorted(scans, scan[there])
+    share = weight[there] / np.sqrt(np.bincount(place, weight[there] ** 2))[place]
+    common = csr_array((share, (place, there)), shape=(len(scans), len(left)))
+    mean = common @ left
+    spare = len(scans) - np.sum((common @ model) ** 2)
+    if spare < FEWEST:
         return Excess()
-    size = np.sqrt(total[scans])
-
-    def in_common(values: Array) -> Array:
-        return np.bincount(scan[there], (values * weight)[there])[scans] / size
-
-    mean, least = in_common(left), Excess(np.inf)
-    for columns in (np.zeros((len(left), 0)), *explained):
-        drawn = [in_common(one) for one in columns.T]
-        basis = spanned(np.stack([*drawn, np.zeros(len(scans))], axis=1)[:, : len(drawn)])[0]
-        if basis.shape[1] > len(scans) // PER_SHAPE:
+    starts = np.cumsum([one.shape[1] for one in explained])[:-1]
+    least = Excess(mean @ mean / spare, spare)
+    for columns in np.split(common @ np.concatenate(explained, axis=1), starts, axis=1):
+        basis = spanned(columns)[0]
+        beside = spare - basis.shape[1]
+        if basis.shape[1] > spare / PER_SHAPE:
             continue
-        rest, spare = mean - basis @ (basis.T @ mean), len(scans) - basis.shape[1]
-        typical = float(np.median(rest**2)) / _MEDIAN_SQUARE * len(scans) / spare
-        if typical < least.factor:
-            least = Excess(typical, float(spare))
+        rest = mean - basis @ (basis.T @ mean)
+        if rest @ rest / beside < least.factor:
+            least = Excess(rest @ rest / beside, beside)
     return replace(least, factor=max(1.0, least.factor))

@@ -678,13 +678,15 @@ def test_four_antennas_have_a_usual_noise(antennas, drawn):
     assert (noisy(antennas)[0].between > 1.0) == drawn
 
 
-def shaken(antennas, scans, size=3.0):
-    """Return the excess of an array that is shaken from scan to scan."""
+def shaken(antennas, scans, size=3.0, fitted=0):
+    """Return the excess of an array that is shaken from scan to scan, beside some common terms."""
     rng = np.random.default_rng(0)
     scan = np.repeat(np.arange(scans), antennas)
     left = rng.normal(size=len(scan)) + size * normal(scans)[scan]
     columns = rng.normal(size=(scans, 1))[scan]
-    return common_mode.excess(left, np.ones(len(scan)), [columns], scan)
+    model = np.linalg.qr(rng.normal(size=(scans, fitted))[scan])[0]
+    left, columns = (one - model @ (model.T @ one) for one in (left, columns))
+    return common_mode.excess(left, np.ones(len(scan)), [columns], model, scan)
 
 
 @pytest.mark.parametrize(
@@ -705,13 +707,18 @@ def test_a_common_mode_needs_four_antennas_and_eight_scans(antennas, scans, show
     assert (shaken(antennas, scans).factor > 1) == shown
 
 
-def together(scans, shapes, others=0):
-    """Return the excess of six antennas that one of several effects of some shapes moves alike."""
+def together(scans, shapes, others=0, fitted=0):
+    """Return the excess of six antennas that one of several effects of some shapes moves alike.
+
+    Beside a model with some terms in common.
+    """
     rng = np.random.default_rng(1)
     scan = np.repeat(np.arange(scans), 6)
     effects = [rng.normal(size=(scans, shapes))[scan] for _ in range(1 + others)]
     left = rng.normal(size=len(scan)) + 3 * effects[0].sum(axis=1)
-    return common_mode.excess(left, np.ones(len(scan)), effects, scan)
+    model = np.linalg.qr(rng.normal(size=(scans, fitted))[scan])[0]
+    left, *effects = (one - model @ (model.T @ one) for one in (left, *effects))
+    return common_mode.excess(left, np.ones(len(scan)), effects, model, scan)
 
 
 @pytest.mark.parametrize(("shapes", "explains"), [(2, True), (10, True), (11, False)])
@@ -721,6 +728,12 @@ def test_what_draws_more_than_a_quarter_of_the_scans_explains_nothing(shapes, ex
 
     assert (found.factor < 3) == explains
     assert found.dof == 40 - shapes * explains
+
+
+def test_what_the_model_has_fitted_is_missing_from_the_common_mode():
+    """Ten common terms take ten of forty scans' deviations."""
+    assert together(40, 2, fitted=10).dof == pytest.approx(40 - 10 - 2)
+    assert shaken(4, 40, fitted=20).factor == pytest.approx(shaken(4, 40).factor, rel=0.4)
 
 
 def test_an_effect_of_all_antennas_is_no_noise_that_they_share():
