@@ -10,9 +10,8 @@ zero of the first angle does.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -115,23 +114,16 @@ def misread(
     numbers = _numbers(recordings, used)
     if len(np.unique(recordings.label("antenna"))) > 1 or not len(numbers.rows):
         return None
-    (as_it_stands, *_), *others = _refitted(recordings, model, refit, numbers)
-    misfit, words, left, scale = min(others, key=_priced)
-    priced = _priced((misfit, words))
-    if misfit > as_it_stands - OUT_OF_REACH or priced > numbers.misfit_of(named) - CONVINCING:
+    as_it_stands, *others = _refitted(recordings, model, refit, numbers)
+    best = min(others, key=lambda one: one.priced)
+    gains = best.misfit <= as_it_stands.misfit - OUT_OF_REACH
+    if not gains or best.priced > numbers.misfit_of(named) - CONVINCING:
         return _of_given(recordings, model, numbers)
-    if every is not None and misfit > numbers.misfit_of(every):
+    if every is not None and best.misfit > numbers.misfit_of(every):
         return None
-    was, now = (
-        float(np.sqrt(np.mean(one**2))) / ARCSEC for one in (named.left[numbers.rows] * scale, left)
-    )
-    return Misread(words, now, was)
-
-
-def _priced(reading: Sequence[Any]) -> float:
-    """Return the misfit of a reading, each thing that it takes for something else paid for."""
-    misfit, words = reading[:2]
-    return float(misfit + NAME_PRICE * len(words))
+    before = named.left[numbers.rows] * best.scale
+    was, now = (float(np.sqrt(np.mean(one**2))) / ARCSEC for one in (before, best.left))
+    return Misread(best.words, now, was)
 
 
 def _of_given(recordings: Recordings, model: Model, numbers: _Numbers) -> Misread | None:
@@ -221,13 +213,25 @@ def _numbers(recordings: Recordings, used: NDArray[np.bool_]) -> _Numbers:
     return _Numbers(data, rows, side[rows], measured, zero[rows])
 
 
+@dataclass(frozen=True)
+class _Reading:
+    """A way to read the file, fitted by the model alone."""
+
+    misfit: float  #: see `_Numbers.misfit`
+    words: Words  #: what it takes for something else
+    left: Array  #: what the model leaves [rad], shape (k,)
+    scale: Array  #: by how much it scales the offsets, shape (k,)
+
+    @property
+    def priced(self) -> float:
+        """Return the misfit with each thing paid for that it takes for something else."""
+        return self.misfit + NAME_PRICE * len(self.words)
+
+
 def _refitted(
     recordings: Recordings, model: Model, refit: Collection[str] | None, numbers: _Numbers
-) -> Iterator[tuple[float, Words, Array, Array]]:
-    """Yield the misfit of every reading by the model alone, the file as it stands first.
-
-    Yield with it its words, what the model leaves and by how much offsets are scaled, both (k,).
-    """
+) -> Iterator[_Reading]:
+    """Yield every reading, the file as it stands first."""
     data, rows = numbers.stack, numbers.rows
     for turned, at in directions(recordings.at):
         columns = expanded(replace(recordings, at=at), data, model.fitted(refit))[0][rows]
@@ -240,4 +244,4 @@ def _refitted(
             scale = data.spread(*scales)[rows]
             # Smaller numbers are likelier by as much as they were made smaller.
             misfit = numbers.misfit(left) - 2 * numbers.averaged(np.log(np.abs(scale))).sum()
-            yield misfit, (*turned, *one.words), left, scale
+            yield _Reading(misfit, (*turned, *one.words), left, scale)

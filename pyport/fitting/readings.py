@@ -26,7 +26,7 @@ TIME = 15.0
 #: time or arcmin for arcsec, mrad, deg, rad.
 UNITS = (3.6, TIME, 60.0, 206.265, 3600.0, 206265.0)
 #: So many of them are tried: offsets of one session may be several times as large as another's.
-MOST_UNITS = 3
+UNITS_TRIED = 3
 
 
 class Reading(NamedTuple):
@@ -106,7 +106,7 @@ def _units(x: Array, y: Array, own: NDArray[np.bool_]) -> list[float]:
     if not (size > 0 and usual > 0):
         return []
     ratios = [*UNITS, *(1 / one for one in UNITS)]
-    return sorted(ratios, key=lambda one: abs(np.log(one * size / usual)))[:MOST_UNITS]
+    return sorted(ratios, key=lambda one: abs(np.log(one * size / usual)))[:UNITS_TRIED]
 
 
 def _spread(x: Array, y: Array, rows: NDArray[np.bool_]) -> float:

@@ -54,14 +54,17 @@ def rms_of(data: Stack, residual: Array, used: NDArray[np.bool_]) -> list[tuple[
     return [(float(np.sqrt(one.mean())), len(one)) if len(one) else None for one in several]
 
 
-def neglected(data: Stack, at: Circumstances, value: Array, used: NDArray[np.bool_]) -> float:
+def neglected(
+    data: Stack, at: Circumstances, value: Array, used: NDArray[np.bool_], left: float
+) -> float:
     """Return what a model that is linear in its terms neglects of such offsets, rms [rad].
 
     Each term turns what the others do: their products are lost. Zeros by themselves turn nothing,
     so that the size of offsets counts times what they vary by. Of exact rotations with errors of
     0.1 to 1 deg the linear fit leaves a third of that to as much.
 
-    `value`, `used`: what mount and sky do to each number [rad], and which are no outliers, (m,).
+    `value`, `used`: what mount and sky do to each number [rad], and which are no outliers, (m,);
+    `left`: what a fit leaves, rms [rad]: less than half of that is lost in the noise, and 0.
     """
     size, vary = np.zeros(len(at)), np.zeros(len(at))
     for is_y, zero in ((False, at.onto_sky), (True, np.ones(len(at)))):
@@ -70,7 +73,8 @@ def neglected(data: Stack, at: Circumstances, value: Array, used: NDArray[np.boo
         level = float(unit @ offset) / max(float(unit @ unit), 1e-300)
         size += np.bincount(row, offset**2, len(at))
         vary += np.bincount(row, (offset - level * unit) ** 2, len(at))
-    return float(np.sqrt(np.mean(size * vary)))
+    lost = float(np.sqrt(np.mean(size * vary)))
+    return lost if lost > MOSTLY * left else 0.0
 
 
 def linear(
@@ -78,10 +82,9 @@ def linear(
 ) -> Iterator[str]:
     """Yield that offsets are too large for a model that is linear in its terms, if they are.
 
-    `data`, `at`, `value`, `used`: as for `neglected`; `left`: what a fit leaves, rms [rad].
+    `data`, `at`, `value`, `used`, `left`: as for `neglected`.
     """
-    lost = neglected(data, at, value, used)
-    if lost > MOSTLY * left:
+    if lost := neglected(data, at, value, used, left):
         most = largest_offset(data, at, used) / DEG
         yield (
             f"offsets of up to {most:.2g} deg are too large for terms that only add up: about "

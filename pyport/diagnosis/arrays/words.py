@@ -44,10 +44,11 @@ def words(found: ArrayReport) -> str:
 
 def _sessions(found: ArrayReport) -> list[str]:
     """Return a table of what each session's antennas share, and which sessions are weak."""
+    # A lean that all antennas have in common is a clock's error as well: only its changes tell.
     clocks = [one.clock[0] for one in found.sessions if one.clock]
-    usual = float(np.mean(clocks)) if clocks else 0.0
+    usual = float(np.mean(clocks)) if len(clocks) > 1 else None
     head = f"{'session':12} {'antennas':8}  {'hour angles':15}  {'time tag of scans':18}"
-    beside = "  clock, less its mean" if len(clocks) > 1 else ""
+    beside = "  clock, less its mean" if usual is not None else ""
     lines = [
         "What a session's antennas share, beside what was found:",
         f"  {head}{beside}".rstrip(),
@@ -56,8 +57,7 @@ def _sessions(found: ArrayReport) -> list[str]:
         hours = "{:+.1f} to {:+.1f} h".format(*(h / HOUR for h in one.hours)) if one.hours else ""
         tag = _seconds(*one.tag) if one.tag else ""
         clock = ""
-        # A lean that all antennas have in common is a clock's error as well: only its changes tell.
-        if one.clock is not None and len(clocks) > 1:
+        if one.clock is not None and usual is not None:
             clock = _seconds((one.clock[0] - usual) / SECOND, one.clock[1] / SECOND)
         lines.append(f"  {one.name:12} {one.antennas:8d}  {hours:15}  {tag:18}  {clock}".rstrip())
     if found.tag_level is not None:

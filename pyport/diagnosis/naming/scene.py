@@ -24,7 +24,7 @@ from pyport.effects.base import Coefficient
 from pyport.fitting.combinations import Combination
 from pyport.fitting.soundness import neglected
 from pyport.least_squares.gram import Gram, Part
-from pyport.thresholds import AXIS_SHARE, GROSS, MOSTLY, REFUTES, SAME_STRENGTH
+from pyport.thresholds import AXIS_SHARE, GROSS, REFUTES, SAME_STRENGTH
 
 
 @dataclass(frozen=True)
@@ -53,14 +53,10 @@ class Scene:
 
     @cached_property
     def neglected(self) -> float:
-        """Return what the model's terms, which only add up, lose of offsets, rms [rad].
-
-        0 where that is lost in the noise.
-        """
+        """Return what the model's terms, which only add up, lose of offsets, rms [rad]."""
         problem, value = self.problem, without_found(self.problem, self.joint)
-        lost = neglected(problem.stack, problem.recordings.at, value, self.weighed.used)
         left = rms(problem.residual - self.joint.predicted, self.share)
-        return lost if lost > MOSTLY * left else 0.0
+        return neglected(problem.stack, problem.recordings.at, value, self.weighed.used, left)
 
     def combination(self, choice: int) -> Combination | None:
         """Return the combination that a choice's coefficients are known in, None if alone."""
