@@ -1,14 +1,9 @@
-"""Candidates: the effects that these recordings could show, and shapes that have no name.
-
-Smooth curves in every column, waves over the sky, offsets confined to a stretch
-of azimuth or elevation. When one of them explains the recordings better than
-any effect does, the honest answer is `unknown`.
-"""
+"""Candidates: the effects that these recordings could show."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -16,16 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import orth
 
-from pyport.angles import DEG, Array, Codes
+from pyport.angles import Array, Codes
 from pyport.diagnosis.naming.finding import Interval
 from pyport.effects import CATALOGUE, Circumstances, Effect, MissingColumn, catalogue
-from pyport.effects.circumstances import mostly_known
-from pyport.effects.empirical import fields
-from pyport.effects.empirical.fields import Bumps
-from pyport.effects.telescope.rotation import MEASURED
 from pyport.least_squares.gram import RANK_TOLERANCE
 from pyport.recordings.schema import Recordings, Stack
-from pyport.thresholds import FEWEST, VISIBLE
+from pyport.thresholds import VISIBLE
 
 
 @dataclass(frozen=True)
@@ -194,125 +185,3 @@ def _of_every_session(effect: Effect) -> bool:
     return effect.is_change and len(effect.coefficients) > len(
         CATALOGUE[effect.on_altaz].coefficients
     )
-
-
-#: Order of the curve that is laid through a column.
-CURVE_ORDER = 4
-#: Waves over the sky: this often around, and this often from the horizon to the zenith.
-WAVES_AROUND, WAVES_UPWARD = range(1, 5), (1, 2)
-#: Widths of the stretches that a misfit may be confined to, as shares of the recordings.
-STRETCH_WIDTHS = (1 / 4, 1 / 8, 1 / 16)
-
-
-@dataclass(frozen=True)
-class Shape:
-    """A shape before it is given to an axis.
-
-    Attributes
-    ----------
-    family, variant
-        What kind of shape it is, and which of its kind.
-    bumps
-        What its columns are made of, for any place in the sky: see `empirical.fields.field`.
-    choices
-        How many of its kind are tried: the price of picking the best.
-    region
-        The stretch that it is confined to, none where it is everywhere.
-    """
-
-    family: str
-    variant: str
-    bumps: Bumps
-    choices: int = 1
-    region: tuple[Interval, ...] = ()
-
-
-def numbers(recordings: Recordings) -> dict[str, Array]:
-    """Return the numbers that a misfit may follow: the direction and every numeric column.
-
-    Columns that the file's header calls `bookkeeping` say how a row was
-    written down, not what the telescope met, and are passed over. So are offsets, by their name,
-    and what a model left of them: a misfit would follow itself.
-    """
-    at = conditions(recordings)
-    found: dict[str, Array] = {}
-    for name, column in {"az_deg": at.az, "el_deg": at.el, **at.columns}.items():
-        if name == "order" or MEASURED & {*name.split("_")} or column.dtype.kind not in "fiu":
-            continue
-        values = np.asarray(column, float)
-        several = len(np.unique(values[np.isfinite(values)])) > CURVE_ORDER + 1
-        if mostly_known(values) and several:
-            found[name] = values
-    return found
-
-
-def shapes_of(recordings: Recordings, stack: Stack) -> tuple[Array, list[Candidate]]:
-    """Return the columns of all shapes and what they are, axis by axis."""
-    blocks = [np.zeros((len(stack), 0))]
-    found: list[Candidate] = []
-    start = 0
-    for shape in _shapes(recordings):
-        columns = fields.values(shape.bumps, recordings.at)[stack.row]
-        for axis, measured in (("xel", ~stack.is_y), ("el", stack.is_y)):
-            block = columns * measured[:, None]
-            if np.count_nonzero(block.any(axis=1)) < FEWEST:
-                continue
-            width = block.shape[1]
-            blocks.append(block)
-            found.append(
-                Candidate(
-                    _effect(shape, axis, width),
-                    np.arange(start, start + width),
-                    tuple(range(width)),
-                    shape.choices,
-                    shape.region,
-                )
-            )
-            start += width
-    return np.concatenate(blocks, axis=1), found
-
-
-def _shapes(recordings: Recordings) -> Iterator[Shape]:
-    known = numbers(recordings)
-    for name, values in known.items():
-        low, high = float(np.nanmin(values)), float(np.nanmax(values))
-        curve = {"kind": "curve", "name": name, "low": low, "high": high, "order": CURVE_ORDER}
-        yield Shape("a smooth curve", f"follows {name}", curve, len(known))
-    yield from _waves()
-    yield from _stretches("az_deg", recordings.at.az % (2 * np.pi))
-    yield from _stretches("el_deg", recordings.at.el)
-
-
-def _waves() -> Iterator[Shape]:
-    """Yield waves that go around the sky and up it, one by one and all low ones together."""
-    every = [(m, n) for m in WAVES_AROUND for n in WAVES_UPWARD]
-    for m, n in every:
-        bumps = {"kind": "wave", "around": m, "upward": n}
-        yield Shape("a wave over the sky", f"goes with {m} A and {n} E", bumps, len(every))
-    low = {"kind": "waves", "each": [(m, n) for m, n in every if m in (1, 2)]}
-    yield Shape("a smooth field over the sky", "of order two", low)
-
-
-def _stretches(name: str, values: Array) -> Iterator[Shape]:
-    """Yield offsets confined to a stretch of an angle [rad], in widths that overlap by half."""
-    ordered = np.sort(values)
-    # A step that goes on to the end of the sky is a jump, and has a name: one stays inside.
-    starts = [
-        (width, k * width / 2) for width in STRETCH_WIDTHS for k in range(1, round(2 / width) - 2)
-    ]
-    for width, start in starts:
-        low, high = (float(ordered[int(p * (len(values) - 1))]) for p in (start, start + width))
-        if low == high:
-            continue
-        region = Interval(name, low / DEG, high / DEG)
-        variant = f"for {region.column} from {region.low:.6g} to {region.high:.6g}"
-        bumps = {"kind": "stretch", "name": name, "low_rad": low, "high_rad": high}
-        yield Shape("an offset", variant, bumps, len(starts), (region,))
-
-
-def _effect(shape: Shape, axis: str, width: int) -> Effect:
-    """Return a shape as an effect that nobody may name."""
-    variant = f"{axis}: {shape.family} {shape.variant}"
-    axes, one = [int(axis == "el")] * width, np.eye(width).tolist()
-    effect = fields.field(shape.bumps, axes, range(width), one, shape.family, variant)
-    return replace(effect, sentence=f"{shape.family} {shape.variant}")

@@ -43,9 +43,9 @@ class Problem:
     ----------
     recordings, model, stack
         What was given.
-    base, candidates, shapes, untestable
-        Terms that are refitted, effects that may be named, shapes that may not,
-        and effects that these recordings cannot show.
+    base, candidates, untestable
+        Terms that are refitted, effects that may be named, and effects that these recordings
+        cannot show.
     data
         All their columns and, last, the residuals, shape (m, K + 1).
     added
@@ -71,7 +71,6 @@ class Problem:
     stack: Stack
     base: tuple[Chosen, ...]
     candidates: tuple[Candidate, ...]
-    shapes: tuple[Candidate, ...]
     untestable: tuple[Untestable, ...]
     data: Array
     blocks: Blocks

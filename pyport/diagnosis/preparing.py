@@ -46,7 +46,6 @@ def prepare(
     departing = any(one.of == "session" for one in given.departures)
     if departing:
         candidates = listing.but_of_every_session(candidates)
-    generic, others = listing.shapes_of(recordings, data)
     first = base_columns.shape[1]
     own = any(term.of_session for term in terms)
     block_of_row, names = group(recordings, ("antenna", "session"))
@@ -60,9 +59,8 @@ def prepare(
         stack=data,
         base=tuple(base),
         candidates=_shifted(candidates, first),
-        shapes=_shifted(others, first + found.shape[1]),
         untestable=tuple(untestable),
-        data=np.concatenate([base_columns, found, generic, residual[:, None]], axis=1),
+        data=np.concatenate([base_columns, found, residual[:, None]], axis=1),
         blocks=Blocks(
             np.array([n[0] for n in names]), np.array([n[1] if len(n) > 1 else "" for n in names])
         ),

@@ -113,8 +113,8 @@ def read(root: Path) -> dict[str, float]:
 def cut(design: Callable[..., Any], every: int) -> Callable[..., Any]:
     """Return a design that keeps one candidate out of so many."""
 
-    def some(*given: object) -> object:
-        columns, found, *rest = design(*given)
+    def some(*given: object, **options: object) -> object:
+        columns, found, *rest = design(*given, **options)
         found = found[::every]
         kept = [columns[:, one.columns] for one in found]
         ends = np.cumsum([one.shape[1] for one in kept])
@@ -146,11 +146,10 @@ def diagnose(rows: int, hidden: str | None, every: int = 1, more: int = 0) -> di
         recordings = read_file(path)
     unknown = np.random.default_rng(1).random((more, len(recordings)))
     recordings.at.columns.update({f"unknown_{n}": one for n, one in enumerate(unknown)})
-    for name in ("design", "shapes_of"):
-        setattr(candidates, name, cut(getattr(candidates, name), every))
+    candidates.design = cut(candidates.design, every)
     begin, worked = time.perf_counter(), time.process_time()
     done = run(recordings, load("altaz"))
-    tried = sum(len(one.columns) for one in (*done.problem.candidates, *done.problem.shapes))
+    tried = sum(len(one.columns) for one in done.problem.candidates)
     return {
         "rows": rows,
         "columns": tried,

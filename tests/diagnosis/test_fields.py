@@ -9,7 +9,6 @@ from diagnosis.made import recordings
 
 from pyport.angles import ARCSEC
 from pyport.diagnosis import evidence
-from pyport.diagnosis.candidates import numbers, shapes_of
 from pyport.diagnosis.case import Chosen
 from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.preparing import prepare
@@ -19,7 +18,7 @@ from pyport.diagnosis.searching.winner import trials_of
 from pyport.diagnosis.shapes import fields, forms
 from pyport.diagnosis.shapes.boxes import boxes, sector
 from pyport.diagnosis.shapes.fields import Ground, Worth, as_candidate, region
-from pyport.diagnosis.shapes.forms import Field, families
+from pyport.diagnosis.shapes.forms import Field, families, numbers
 from pyport.diagnosis.trial import at_best
 from pyport.diagnosis.weighing import projection, weigh
 from pyport.effects import Circumstances, Site
@@ -27,7 +26,6 @@ from pyport.effects.empirical.fields import from_sun, last_slew
 from pyport.fitting.fit import completed, fit
 from pyport.formats.models import load
 from pyport.mounts import KINDS
-from pyport.recordings.schema import stack
 
 
 def dent(at):
@@ -465,12 +463,8 @@ def test_a_blank_cell_hides_no_column(blank, known):
     column = np.linspace(-5.0, 25.0, 300)
     column[:blank] = np.nan
     made = recordings(300, 3, grease_c=column)
-    columns, found = shapes_of(made, stack(made))
-    own = [one for one in found if "grease_c" in one.effect.variant]
 
     assert ("grease_c" in numbers(made)) == known
-    assert bool(own) == known
-    assert np.isfinite(columns).all()
     bumps = [
         each
         for _, each in families(prepare(made, load("altaz")))
@@ -492,5 +486,5 @@ def test_how_many_columns_go_together_decides_nothing(monkeypatch):
         trials = trials_of(problem, projection(problem, weighed, ()))
         found.append([one.evidence for one in (*worths, *trials)])
 
-    assert len(found[0]) > 300
+    assert len(found[0]) > 250
     assert found[0] == pytest.approx(found[1], rel=1e-9, abs=1e-9)

@@ -11,15 +11,16 @@ import pytest
 from effects import heavens, mechanics
 from effects.cases import AT
 
-from pyport.diagnosis import candidates
+from pyport.diagnosis.preparing import prepare
+from pyport.diagnosis.shapes.forms import families
 from pyport.effects import CATALOGUE, Circumstances, MissingColumn
 from pyport.effects.empirical.fields import KINDS, field, values
 from pyport.effects.telescope.structure import FreeEdge, SoftEdge, jump_above
 from pyport.errors import BadInput
 from pyport.formats.model_file import WORDS
+from pyport.formats.models import load
 from pyport.models.members import apart, effect_of, frozen
 from pyport.mounts import KINDS as KINDS_OF_MOUNTS
-from pyport.recordings.schema import stack
 from pyport.toml_text import toml_spelled
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "diagnosis"))
@@ -148,16 +149,18 @@ def test_a_field_in_the_axes_of_a_mount_comes_back_along_their_angles():
     np.testing.assert_allclose(back.columns(at)[1][:, 0], np.exp(-50 * (height - 0.4) ** 2))
 
 
-def test_every_shape_that_a_diagnosis_tries_can_be_kept():
-    """On either axis: the columns of the search are those that a file gives back."""
-    measured = made.recordings(300, 1)
-    rows = stack(measured)
-    columns, found = candidates.shapes_of(measured, rows)
+def test_every_form_that_a_diagnosis_tries_can_be_kept():
+    """The bumps of the search are those that a file gives back."""
+    problem = prepare(made.recordings(300, 1), load("altaz"))
+    at, row = problem.recordings.at, problem.stack.row
+    found = [one for _, one in families(problem)]
 
-    assert len(found) > 100
+    assert len(found) > 40
     for one in found:
-        back = effect_of("unknown", there_and_back(frozen(one.effect, measured.at).member))
-        np.testing.assert_array_equal(rows.columns(back, measured.at), columns[:, one.columns])
+        k = one.values.shape[1]
+        effect = field(one.bumps, [0] * k, range(k), np.eye(k).tolist(), one.family, one.variant)
+        back = effect_of("unknown", there_and_back(frozen(effect, at).member))
+        np.testing.assert_array_equal(back.columns(at)[0][row], one.values)
 
 
 def test_a_curve_stays_at_its_ends_and_azimuth_goes_round():

@@ -141,10 +141,9 @@ def efficiency(
 @click.command("cosines", epilog="Example: pyport dev cosines --cases 2")
 @_drawn("out/cosines", 3, "each form", 500)
 def cosines(cases: int, seed: int, jobs: int, out: Path, *, as_json: bool) -> None:
-    """Measure the largest cosine of each unknown form with what the program fits.
+    """Measure the largest cosine of each unknown form with what the program has a name for.
 
-    Beside the model, in noiseless recordings: with terms that have a name, and with shapes that
-    have none. A form is fair where no name takes nearly all of it.
+    Beside the model, in noiseless recordings. A form is fair where no name takes nearly all of it.
     """
     from pyport.examiner.acceptance import cosines as measured
 

@@ -59,8 +59,7 @@ def proposed(
     wanted = [
         one
         for one in trials
-        if one.candidate.effect.physical
-        and confounded(problem, one.candidate.effect)
+        if confounded(problem, one.candidate.effect)
         and one.candidate.effect.id not in {*banned, OSCILLATION}
         and one.candidate.effect.change_of in has
         and not _departs(problem, one.candidate.effect)

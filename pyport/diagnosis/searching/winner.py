@@ -31,12 +31,12 @@ Least = Callable[[Problem, Candidate], float]
 
 
 def trials_of(problem: Problem, beside: Projection) -> list[CandidateFit]:
-    """Try every effect and shape in every scope that has enough readings for it."""
+    """Try every effect in every scope that has enough readings for it."""
     most = len(problem.residual) // PER_SHAPE
     return beside.trials(
         [
             (candidate, scope)
-            for candidate in (*problem.candidates, *problem.shapes)
+            for candidate in problem.candidates
             for scope in _scopes(candidate, problem.blocks)
             if scope == "all" or len(candidate.columns) * problem.blocks.count(scope) <= most
         ]
@@ -52,8 +52,6 @@ def _scopes(candidate: Candidate, blocks: Blocks) -> list[str]:
     scope is tried, but for the place where an antenna stands.
     """
     effect, there = candidate.effect, blocks.scopes()
-    if not effect.physical:
-        return ["all"]
     place = effect.in_arrays == HELD and effect.common == "antenna"
     if effect.is_change or place:
         there = [scope for scope in there if "session" not in scope]
@@ -210,8 +208,7 @@ def _worth(
     named = [
         t
         for t in trials
-        if t.candidate.effect.physical
-        and not confounded(problem, t.candidate.effect)
+        if not confounded(problem, t.candidate.effect)
         and t.candidate.effect.id not in banned
         and t.evidence > least(problem, t.candidate)
     ]

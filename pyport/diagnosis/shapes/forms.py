@@ -12,13 +12,16 @@ from numpy.typing import NDArray
 
 from pyport.angles import DEG, Array
 from pyport.columns import COLUMNS
-from pyport.diagnosis.candidates import CURVE_ORDER, conditions, numbers
+from pyport.diagnosis.candidates import conditions
 from pyport.diagnosis.case import Problem
 from pyport.diagnosis.naming.finding import Interval
 from pyport.effects.base import Circumstances, MissingColumn
+from pyport.effects.circumstances import mostly_known
 from pyport.effects.empirical import fields
 from pyport.effects.empirical.fields import Bumps
+from pyport.effects.telescope.rotation import MEASURED
 from pyport.mounts import ALTAZ
+from pyport.recordings.schema import Recordings
 from pyport.thresholds import FEWEST
 
 #: Widths of the bumps over the sky, and along azimuth and elevation: down to teeth of a gear and
@@ -28,6 +31,8 @@ ALONG_AZIMUTH = (2 * DEG, 6 * DEG, 20 * DEG)
 ALONG_ELEVATION = (2 * DEG, 5 * DEG)
 #: Bumps along a column: so many over the ranks of its values.
 ALONG_COLUMN = 10
+#: Numbers of no more values than this have an offset each, of more a curve.
+FEW_VALUES = 5
 #: A column of more labels than this is none of few.
 MOST_LEVELS = 12
 #: And over two columns: so many over the ranks of each.
@@ -90,6 +95,25 @@ class Field:
         if not self.axes:
             return self.values
         return self.values[:, list(self.which)] * (self.is_y[:, None] == np.array(self.axes, bool))
+
+
+def numbers(recordings: Recordings) -> dict[str, Array]:
+    """Return the numbers that a misfit may follow: the direction and every numeric column.
+
+    Columns that the file's header calls `bookkeeping` say how a row was
+    written down, not what the telescope met, and are passed over. So are offsets, by their name,
+    and what a model left of them: a misfit would follow itself.
+    """
+    at = conditions(recordings)
+    found: dict[str, Array] = {}
+    for name, column in {"az_deg": at.az, "el_deg": at.el, **at.columns}.items():
+        if name == "order" or MEASURED & {*name.split("_")} or column.dtype.kind not in "fiu":
+            continue
+        values = np.asarray(column, float)
+        several = len(np.unique(values[np.isfinite(values)])) > FEW_VALUES
+        if mostly_known(values) and several:
+            found[name] = values
+    return found
 
 
 def families(problem: Problem) -> Iterator[tuple[int, Field]]:
@@ -219,7 +243,7 @@ def _levels(problem: Problem) -> Iterator[Field]:
             continue
         text = cells.dtype.kind == "U"
         values, counts = np.unique(cells[cells != ""] if text else cells, return_counts=True)
-        most = MOST_LEVELS if text else CURVE_ORDER + 1
+        most = MOST_LEVELS if text else FEW_VALUES
         often = np.count_nonzero(counts >= FEWEST)
         if len(values) <= most and often > 1 and (text or np.isfinite(values).all()):
             bumps = {"name": name, "values": values.tolist()}

@@ -44,21 +44,19 @@ def cases(count: int, seed: int) -> list[Case]:
 
 
 def examine(case: Case) -> dict[str, Any]:
-    """Return the largest cosines of a form with what has a name and with what has none."""
+    """Return the largest cosine of a form with what has a name."""
     made = make_case("unknown", case.seed, effect=case.form, rows=ROWS, rho=1.0, noise="white")
     return {**vars(case), "program": program.version(), **of_made(made)}
 
 
 def of_made(made: Made) -> dict[str, Any]:
-    """Return the largest cosines of what is hidden in a case behind the classical model."""
+    """Return the largest cosine of what is hidden in a case behind the classical model."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "recordings.csv"
         write_recordings(made, file)
         problem = prepare(read(file), load("altaz"), None, 0)
-    found: dict[str, Any] = {}
-    for kind, some in (("named", problem.candidates), ("shape", problem.shapes)):
-        found[f"{kind}_cosine"], found[kind] = largest(problem, made, some)
-    return found
+    cosine, name = largest(problem, made, problem.candidates)
+    return {"named_cosine": cosine, "named": name}
 
 
 def largest(problem: Problem, made: Made, some: Sequence[Candidate]) -> tuple[float, str]:
@@ -85,14 +83,11 @@ def largest(problem: Problem, made: Made, some: Sequence[Candidate]) -> tuple[fl
 
 
 def text(outcomes: Iterable[dict[str, Any]]) -> str:
-    """Return a line for each form: its largest cosines, and with what."""
+    """Return a line for each form: its largest cosine, and with what."""
     outcomes = list(outcomes)
-    lines = [f"{'form':20}{'named':>7}  {'with':44}{'shape':>7}  with"]
+    lines = [f"{'form':20}{'cosine':>7}  with"]
     for form in dict.fromkeys(one["form"] for one in outcomes):
         own = [one for one in outcomes if one["form"] == form]
-        line = f"{form:20}"
-        for kind, width in (("named", 44), ("shape", 0)):
-            most = max(own, key=lambda one: float(one[f"{kind}_cosine"]))
-            line += f"{most[f'{kind}_cosine']:7.2f}  {most[kind]:{width}}"
-        lines.append(line)
+        most = max(own, key=lambda one: float(one["named_cosine"]))
+        lines.append(f"{form:20}{most['named_cosine']:7.2f}  {most['named']}")
     return "\n".join(lines)

@@ -106,23 +106,6 @@ def test_a_cut_has_eight_readings_on_either_side(beyond, placed):
     assert edges._cut(viewed(left[:15]), az[:15], np.ones(15)) == []
 
 
-@pytest.mark.parametrize(("rows", "inside"), [(128, True), (110, False), (60, False), (250, True)])
-def test_a_stretch_of_a_sixteenth_has_eight_readings(rows, inside):
-    """Fewer are a handful of outliers."""
-    given = recordings(rows, 0)
-    found = candidates.shapes_of(given, stack(given))[1]
-    widths = [
-        np.count_nonzero(candidates.fields.values(one, given.at).any(axis=1))
-        for one in (
-            shape.bumps for shape in candidates._shapes(given) if shape.family == "an offset"
-        )
-    ]
-    kept = [one for one in found if one.effect.sentence.startswith("an offset")]
-
-    assert (len(kept) == 2 * len(widths)) == inside
-    assert all(one >= 8 for one in widths) == inside
-
-
 def bumps(monkeypatch, felt):
     """Return how many bumps a field has of which the last is felt by some readings."""
     n = 60

@@ -41,7 +41,7 @@ def left_out(verdicts: Sequence[Verdict]) -> str:
 
 
 def cosines_of(folder: Path) -> dict[str, dict[str, Any]]:
-    """Return the largest cosines of each form that no name has with what the program fits.
+    """Return the largest cosine of each form that no name has with what the program has one for.
 
     They are measured when the page is first written, and kept: they are the sealed program's.
     """
@@ -63,7 +63,7 @@ def cosines_of(folder: Path) -> dict[str, dict[str, Any]]:
 
 
 def unknown(verdicts: Sequence[Verdict], cosines: dict[str, dict[str, Any]]) -> str:
-    """Return how each form without a name was answered, beside the most that the program fits."""
+    """Return how each form without a name was answered, beside the name that comes nearest."""
     forms: dict[str, list[Verdict]] = {}
     for one in sorted(verdicts, key=lambda each: str(each.spec["effect"])):
         if one.case in cosines:
@@ -74,23 +74,16 @@ def unknown(verdicts: Sequence[Verdict], cosines: dict[str, dict[str, Any]]) -> 
     for form, own in forms.items():
         said = [one.said for one in own]
         named = sorted({one for one in said if one not in {"unknown", "nothing"}})
-        nearest = [
-            max((cosines[one.case] for one in own), key=lambda each: float(each[f"{kind}_cosine"]))
-            for kind in ("named", "shape")
-        ]
-        alike = [
-            f"{one[f'{kind}_cosine']:.2f} ({one[kind]})"
-            for kind, one in zip(("named", "shape"), nearest, strict=True)
-        ]
+        nearest = max((cosines[one.case] for one in own), key=lambda each: each["named_cosine"])
+        alike = f"{nearest['named_cosine']:.2f} ({nearest['named']})"
         counts = f"{said.count('unknown')} | {said.count('nothing')} | {', '.join(named) or '-'}"
-        lines.append(f"| {form.replace('_', ' ')} | {len(own)} | {counts} | {' | '.join(alike)} |")
+        lines.append(f"| {form.replace('_', ' ')} | {len(own)} | {counts} | {alike} |")
     return "\n".join(
         [
             "### Forms that no name has\n",
-            "The largest cosine of each, beside the model, with what the program has a name for",
-            "and with its shapes that have none.\n",
-            "| form | cases | unknown | nothing | named | cosine with a name | with a shape |",
-            "|---|---|---|---|---|---|---|",
+            "The largest cosine of each, beside the model, with what the program has a name for.\n",
+            "| form | cases | unknown | nothing | named | cosine with a name |",
+            "|---|---|---|---|---|---|",
             *lines,
             "",
         ]
