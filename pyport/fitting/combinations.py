@@ -19,7 +19,6 @@ from pyport.effects.base import Coefficient
 from pyport.effects.empirical.drivers import unit_in_words
 from pyport.fitting.fit import Fit, expanded
 from pyport.fitting.soundness import largest_offset, named
-from pyport.noise.coefficients import solve
 
 #: A coefficient of whose column the other columns leave less than this share of the rms is not
 #: known alone: an error of a tenth of the others' curves is an error of itself as a whole.
@@ -169,22 +168,13 @@ def combinations(
 def of_fit(fit: Fit) -> tuple[Combination, ...]:
     """Return the combinations that a fit knows where it does not know coefficients alone."""
     names = [name for name, _, _ in named(fit)]
-    coefficients, values = [], []
-    given: list[float] = []
-    for one in fit.coefficients:
-        effect = one.term.effect
-        coefficients += list(effect.coefficients)
-        held = one.term.given(one.labels)
-        given += list(held)
-        values += (one.value - np.array(held)).tolist()
+    coefficients = [each for one in fit.coefficients for each in one.term.effect.coefficients]
+    given = [each for one in fit.coefficients for each in one.term.given(one.labels)]
     terms = [*{id(one.term): one.term for one in fit.coefficients}.values()]
     design = expanded(fit.recordings, fit.stack, terms)[0]
-    # What the data leave open is not in the fit's values: the shortest solution stands for it.
-    data = fit.residual + design @ np.nan_to_num(np.array(values))
-    solution = solve(fit.noise, design, data)
-    solved = solution.values + np.array(given)
     largest = largest_offset(fit.stack, fit.recordings.at)
-    return combinations(names, coefficients, design, solved, solution.covariance, largest)
+    value = fit.shortest + np.array(given)
+    return combinations(names, coefficients, design, value, fit.covariance, largest)
 
 
 def _spectrum(columns: Array) -> tuple[Array, Array, Array]:

@@ -68,6 +68,9 @@ class Fit:
     model: Model
     stack: Stack
     coefficients: tuple[Coefficients, ...]  #: of every term and group
+    #: All coefficients in their order, less what the model gave, shape (P,): the shortest of those
+    #: that the data do not distinguish.
+    shortest: Array
     covariance: Array  #: of all coefficients in their order, shape (P, P)
     noise: Covariance  #: the covariance of the readings that they were estimated under
     #: `residual`, `weight`: what is left of each number [rad] and its robust weight, shape (m,).
@@ -112,7 +115,7 @@ def fit(
         given = np.array(term.given(labels))
         found.append(Coefficients(term, labels, values[start:stop] + given, sigma[start:stop]))
         start = stop
-    left = value - columns @ np.nan_to_num(values)
+    left = value - columns @ solution.values
     white = noise.whiten(np.concatenate([columns, value[:, None]], axis=1))
     across = noise.whiten(columns * ~data.is_y[:, None])
     compared = _two_axes(white, across, int(noise.used.sum()), owners)
@@ -121,6 +124,7 @@ def fit(
         model,
         data,
         tuple(found),
+        solution.values,
         solution.covariance,
         noise,
         left,

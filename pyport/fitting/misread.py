@@ -10,7 +10,7 @@ zero of the first angle does.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -23,19 +23,19 @@ from pyport.least_squares.gram import spanned
 from pyport.models.model import Model
 from pyport.noise.pointings import pointings
 from pyport.recordings.schema import Recordings, Stack, group, stack
-from pyport.thresholds import CONVINCING, MOSTLY, NAME_PRICE, OUT_OF_REACH
+from pyport.thresholds import CONVINCING, ENOUGH, MOSTLY, NAME_PRICE, OUT_OF_REACH
 
 
 @dataclass(frozen=True)
 class Misread:
-    """How a file may have been misread: words, and what the model leaves if it was.
+    """How a file may have been misread: ways to read it, and what the model leaves of the first.
 
     `if_so_arcsec` is that rms, `as_read_arcsec` that of the fit to the file as it stands; where
     offsets are scaled, both in the scale of the other reading. `of_given` says that the model is
     as it was given, nothing refitted.
     """
 
-    words: Words
+    ways: Sequence[Words]
     if_so_arcsec: float
     as_read_arcsec: float
     of_given: bool = False
@@ -71,7 +71,7 @@ class Misread:
 
     @property
     def _so(self) -> str:
-        return ", and ".join(self.words)
+        return ", or if ".join(", and ".join(words) for words in self.ways)
 
 
 @dataclass(frozen=True)
@@ -112,7 +112,10 @@ def misread(
         And with curves without a name, too: a reading that is worse than they explains nothing.
     """
     numbers = _numbers(recordings, used)
-    if len(np.unique(recordings.label("antenna"))) > 1 or not len(numbers.rows):
+    if len(np.unique(recordings.label("antenna"))) > 1:
+        return None
+    columns = expanded(recordings, numbers.stack, model.fitted(refit))[0][numbers.rows]
+    if numbers.count - spanned(columns)[0].shape[1] < ENOUGH:
         return None
     as_it_stands, *others = _refitted(recordings, model, refit, numbers)
     best = min(others, key=lambda one: one.priced)
@@ -123,7 +126,12 @@ def misread(
         return None
     before = named.left[numbers.rows] * best.scale
     was, now = (float(np.sqrt(np.mean(one**2))) / ARCSEC for one in (before, best.left))
-    return Misread(best.words, now, was)
+    ways: list[Words] = []
+    for one in sorted(others, key=lambda one: one.priced):
+        # What is read so and something else besides is no other way.
+        if one.priced < best.priced + CONVINCING and not any({*w} <= {*one.words} for w in ways):
+            ways.append(one.words)
+    return Misread(ways, now, was)
 
 
 def _of_given(recordings: Recordings, model: Model, numbers: _Numbers) -> Misread | None:
@@ -140,7 +148,7 @@ def _of_given(recordings: Recordings, model: Model, numbers: _Numbers) -> Misrea
     words, best = min(others, key=lambda one: numbers.misfit(one[1]))
     was, now = (float(np.sqrt(np.mean(one**2))) / ARCSEC for one in (stands, best))
     likelier = numbers.misfit(stands) - numbers.misfit(best) > OUT_OF_REACH
-    return Misread(words, now, was, of_given=True) if likelier and now < MOSTLY * was else None
+    return Misread([words], now, was, of_given=True) if likelier and now < MOSTLY * was else None
 
 
 def of_fit(fit: Fit) -> Misread | None:
@@ -163,6 +171,11 @@ class _Numbers:
     side: Codes
     measured: Codes
     zero: Array
+
+    @property
+    def count(self) -> int:
+        """Return how many numbers were measured, repeats counted once."""
+        return int(self.measured.max(initial=-1)) + 1
 
     def averaged(self, values: Array) -> Array:
         """Return the mean over repeats of values (k,), one for each pointing and axis."""
@@ -193,7 +206,7 @@ class _Numbers:
 
     def misfit_of(self, fitted: Fitted) -> float:
         """Return the same of a fit to the file as it stands, its coefficients paid for."""
-        price = float(np.log(self.measured.max() + 1))
+        price = float(np.log(self.count))
         paid = fitted.coefficients * price + fitted.names * NAME_PRICE
         return self.misfit(self.centred(fitted.left[self.rows])) + paid
 

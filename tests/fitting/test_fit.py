@@ -209,6 +209,17 @@ def test_what_terms_lose_that_only_add_up_is_known_to_a_factor_of_three(size_deg
     assert "only add up" in next(linear(*given, 1.9 * lost))
 
 
+def test_terms_that_are_not_distinguished_are_fitted_all_the_same():
+    """At one elevation nobody tells a zero from sag: what both draw is not left."""
+    made = simulated(60, 5.0, 1)
+    level = replace(made, at=replace(made.at, el=np.full(60, 0.7)), y=made.y + 300 * ARCSEC)
+    found = fit(level, models.load("altaz"))
+    open_ = [one.term.effect.id for one in found.coefficients if not np.isfinite(one.value).all()]
+
+    assert {"elevation_zero", "sag_cosine"} <= {*open_}
+    assert np.sqrt(np.mean(found.residual[found.stack.is_y] ** 2)) < 20 * ARCSEC
+
+
 def test_zeros_alone_lose_nothing():
     """However large; of large offsets nothing is said where there is nothing to lose."""
     made = simulated(50, 0.0, 1)

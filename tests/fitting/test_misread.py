@@ -8,6 +8,7 @@ from diagnosis.made import recordings
 
 from pyport.angles import ARCSEC
 from pyport.diagnosis.diagnose import diagnose
+from pyport.fitting import misread as module
 from pyport.fitting import readings
 from pyport.fitting.fit import completed, fit
 from pyport.fitting.misread import Fitted, misread, of_fit
@@ -82,8 +83,28 @@ def test_one_error_is_named_before_two():
     counted = recordings(60, 3)
     found = of_fit(fit(replace(counted, at=replace(counted.at, az=-counted.at.az)), ALTAZ))
 
-    assert len(found.words) == 1
-    assert "opposite sense" in found.words[0]
+    ((way,),) = found.ways
+    assert "opposite sense" in way
+
+
+def test_readings_that_the_data_do_not_distinguish_are_all_said(monkeypatch):
+    """Those within odds of twenty to one of the best, the best first."""
+    zero = np.zeros(120)
+    worse = {(): 1e5, ("a",): 5.9, ("b",): 0.0, ("c",): 6.1, ("b", "d"): -10.0}
+    readings = [module._Reading(by - 1e5, way, zero, zero + 1) for way, by in worse.items()]
+    monkeypatch.setattr(module, "_refitted", lambda *_: readings)
+    found = of_fit(fit(replace(recordings(60, 3), y=recordings(60, 3).y * 9), ALTAZ))
+
+    assert found.ways == [("b",), ("a",)]
+    assert "if b, or if a, the fit leaves" in found.of_fit
+
+
+@pytest.mark.parametrize(("rows", "seed", "shown"), [(12, 2, False), (20, 1, True)])
+def test_a_file_of_few_readings_is_not_doubted(rows, seed, shown):
+    """Twenty numbers more than coefficients are needed, as to find anything."""
+    made = recordings(rows, seed)
+
+    assert (said(replace(made, x=-made.x)) is not None) == shown
 
 
 def test_offsets_are_held_against_a_model_that_is_not_refitted():
