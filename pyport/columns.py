@@ -72,6 +72,7 @@ _OFF = "d|delta|(coll?(imation)?_?)?off(s|set)?|pnt"
 _ERR = "err(ors?)?|sigma|std(dev)?|rms|unc(ertainty)?"
 _AZ, _EL = "az|azm|azim(uth?)?", "el|elev(ation)?|alt|altitude"
 _XEL = r"xel|az_?cos_?el?|cross(_?el(evation)?)?"
+_HA, _DEC = "ha|hour_?angle", "dec|decl(ination)?"
 
 
 def _offset(axis: str, behind: str) -> str:
@@ -131,6 +132,14 @@ COLUMNS: tuple[Column, ...] = (
         also=("dzd", "d_za", "d_zenith_distance", "delta_zd"),
         called=rf"({_OFF})_?(zd|za|zenith(_?distance)?)",
     ),
+    Column(
+        "d_ha", "hour angle offset",
+        also=("dha", "d_hour_angle", "delta_ha"), called=_offset(_HA, _HA),
+    ),
+    Column(
+        "d_dec", "declination offset",
+        also=("ddec", "d_declination", "delta_dec"), called=_offset(_DEC, _DEC),
+    ),
     Column("sigma_xel", "error across", called=_error(f"x|{_XEL}")),
     Column("sigma_az", "error of azimuth", called=_error(_AZ)),
     Column("sigma_el", "error of elevation", called=_error(f"y|{_EL}")),
@@ -141,7 +150,7 @@ COLUMNS: tuple[Column, ...] = (
     _label("channel"),
     _label("polarisation", also=("polarization", "pol")),
     _label("scan_axis"),
-    _label("pier_side"),
+    _label("pier_side", r"pier(_?side)?|side(_?of_?pier)?"),
     Column(
         "time", "time", TEXT, "", 1.0, written=TIME,
         also=("utc", "time_iso", "time_ut", "datetime_utc", "date_obs"),
@@ -180,8 +189,8 @@ COLUMNS: tuple[Column, ...] = (
     _angle("sun_az", "azimuth of the Sun", circular=True),
     _angle("sun_el", "elevation of the Sun", circular=False),
     _angle("ra", "right ascension", circular=True),
-    _angle("dec", "declination", circular=False),
-    _angle("hour_angle", "hour angle", "h", circular=True),
+    _angle("dec", "declination", called=rf"({_DEC})d?", circular=False),
+    _angle("hour_angle", "hour angle", "h", called=_HA, circular=True),
     Column("scan_direction", "scan direction", NUMBER, "", 1.0),
     Column(
         "scan_rate", "scan rate", NUMBER, "arcmin/min", SCAN_RATE_UNIT,

@@ -332,3 +332,23 @@ def test_a_fits_file_is_called_one(tmp_path, name):
     for given in (FileOptions(), FileOptions(mapping=mapped.parse(MAP))):
         with pytest.raises(BadInput, match=r"a FITS file, expected a table.*Table\.read"):
             read(path, given)
+
+
+@pytest.mark.parametrize(
+    "header",
+    [
+        "UT,HA,Dec,dHA,dDec,Side",
+        "timestamp,HA_deg,DEC_deg,dHA_arcsec,dDEC_arcsec,Pier",
+        "DATE-OBS,hour_angle,declination,delta_ha,decl_offset,side of pier",
+    ],
+)
+def test_columns_of_an_equatorial_mount_are_proposed(tmp_path, header):
+    """Hour angle, declination, their offsets and the side of the pier."""
+    row = "2020-08-07T19:46:06,-30.1,-0.66,-782.8,-618.7,west\n"
+    path = table(tmp_path, f"# latitude_deg: 48\n{header}\n" + row * 3)
+    proposed, doubts = looked(path)
+    ours = ["time_utc", "hour_angle_deg", "dec_deg", "d_ha_arcsec", "d_dec_arcsec", "pier_side"]
+
+    assert [*proposed] == ours
+    assert proposed == dict(zip(ours, header.split(","), strict=True))
+    assert not doubts

@@ -24,7 +24,6 @@ from numpy.typing import NDArray
 from pyport.angles import RADIANS_PER
 from pyport.arguments import nearest
 from pyport.columns import (
-    ANGLE,
     COLUMNS,
     DAY,
     HOUR_OF_DAY,
@@ -258,10 +257,13 @@ def save(columns: Mapping[str, str], path: Path) -> None:
     write_file(path, toml_spelled({"columns": dict(columns)}))
 
 
+#: Columns that have one name and unit, ours.
+_TIMES = {TIME, DAY, HOUR_OF_DAY}
+_OURS = LABELS | NUMBERS | _TIMES | {SCAN_RATE, "wind_az_deg"}
 #: What other people call a column: a pattern, and the contract's quantity.
 _CALLED: tuple[tuple[str, str], ...] = (
     *(
-        (one.called, one.name if one.kind == ANGLE and not one.spoken else one.spelled)
+        (one.called, one.spelled if one.spelled in _OURS else one.name)
         for one in COLUMNS
         if one.called
     ),
@@ -273,11 +275,6 @@ _UNITS = tuple(one for one in RADIANS_PER if one != "h")
 _OPPOSITE = re.compile(
     r"(true|catalog\w*|command\w*|demand\w*)\s*(-|minus)\s*(obs|meas|read|enc)\w*"
 )
-
-
-#: Columns that have one name and unit, ours.
-_TIMES = {TIME, DAY, HOUR_OF_DAY}
-_OURS = LABELS | NUMBERS | _TIMES | {SCAN_RATE, "wind_az_deg"}
 
 
 def propose(table: Sheet, doubts: list[str] | None = None) -> dict[str, str]:
