@@ -170,7 +170,8 @@ def predict(
     if rehearse and not against:
         raise click.UsageError("--rehearse: name a model to rehearse with, --against MODEL")
     measured, names = read(recordings, given), [model, *against]
-    first, *rivals = compare.distinct([load(one) for one in names], names)
+    loaded = [load(one).on(measured.at.mount) for one in names]
+    first, *rivals = compare.distinct(loaded, names)
     with working("comparing") as tell:
         done = compare.compare(
             measured, first, rivals, [read(one, given) for one in nights], seed=seed, tell=tell

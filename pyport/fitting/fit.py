@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import IO
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pyport.angles import ARCSEC, DEG, Array
 from pyport.errors import BadInput
@@ -182,6 +183,23 @@ def expanded(
             arrays.append(basis * (codes[data.row] == code)[:, None])
             owners.append((term, name))
     return np.concatenate(arrays, axis=1), owners
+
+
+def off_by(
+    recordings: Recordings, stack: Stack, left: Array, used: NDArray[np.bool_]
+) -> tuple[tuple[int, str], ...]:
+    """Return the line of each outlier among m readings and what is the matter with it.
+
+    `left` (m,) is what is left of the readings [rad], `used` (m,) is false for an outlier.
+    """
+    names = recordings.at.mount.names
+    return tuple(
+        (
+            int(recordings.line[stack.row[n]]),
+            f"{names[int(stack.is_y[n])]} off by {left[n] / ARCSEC:.1f} arcsec",
+        )
+        for n in np.flatnonzero(~used)
+    )
 
 
 #: Labels that residuals are summed up by.

@@ -11,14 +11,14 @@ from pyport.effects.empirical.drivers import unit_in_words
 from pyport.errors import BadInput
 from pyport.fitting import soundness
 from pyport.fitting.combinations import Combination, of_fit
-from pyport.fitting.fit import LABELS, Fit, by_label, completed, leftover_text
+from pyport.fitting.fit import LABELS, Fit, by_label, completed, leftover_text, off_by
 from pyport.fitting.soundness import ON_SKY, PER_AXIS, largest_offset, rms_of
 from pyport.models import complete, toml
 from pyport.models.conditions import Completed, Value
 from pyport.recordings.schema import as_input, counted
 
-#: Combinations that the terminal shows.
-MOST_COMBINATIONS = 3
+#: Combinations and outliers that the terminal shows.
+MOST_COMBINATIONS, MOST_OUTLIERS = 3, 10
 
 
 def text(fit: Fit) -> str:
@@ -43,6 +43,10 @@ def text(fit: Fit) -> str:
             lines.append(f"{axis}: rms {size / ARCSEC:.2f} arcsec over {used} of {rows} offsets")
     if sky is not None:
         lines.append(f"sky: rms {sky[0] / ARCSEC:.2f} arcsec over {sky[1]} pointings, the {ON_SKY}")
+    wrong = off_by(fit.recordings, fit.stack, fit.residual, fit.noise.used)
+    lines += [f"outlier: line {line}, {what}" for line, what in wrong[:MOST_OUTLIERS]]
+    if len(wrong) > MOST_OUTLIERS:
+        lines.append(f"outlier: {len(wrong) - MOST_OUTLIERS} more, see --json")
     lines.append(f"condition number {fit.condition:.3g}")
     lines += [f"warning: {sentence}" for sentence in soundness.warnings(fit)]
     lines += _combined(together)
@@ -115,6 +119,10 @@ def as_json(fit: Fit) -> dict[str, object]:
         },
         "condition_number": _number(fit.condition),
         "rms": _rms(fit),
+        "outliers": [
+            {"line": line, "why": what}
+            for line, what in off_by(fit.recordings, fit.stack, fit.residual, fit.noise.used)
+        ],
         "combinations": [one.as_json() for one in of_fit(fit)],
         "warnings": list(soundness.warnings(fit)),
         "residuals": {label: by_label(fit, label) for label in LABELS},

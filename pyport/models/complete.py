@@ -239,7 +239,10 @@ def _counted(term: Term) -> str:
         for name, value in term.effect.member.items()
         if name.rpartition("_")[2] in COUNTED and isinstance(value, int | float)
     }
-    return ", ".join(f"{name} = {value:.10g}" for name, value in numbers.items())
+    since = numbers.pop("since_s", 0.0)
+    said = [f"{name} = {value:.10g}" for name, value in numbers.items()]
+    said += [f"since {np.datetime64(round(since), 's')}Z"] * bool(since)
+    return ", ".join(said)
 
 
 def has_before(values: Sequence[Value]) -> bool:

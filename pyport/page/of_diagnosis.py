@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pyport.angles import ARCSEC, Array
+from pyport.angles import ARCSEC
 from pyport.diagnosis.diagnose import Diagnosis
 from pyport.diagnosis.searching.turns import Step
 from pyport.effects.empirical.fields import UNKNOWN
 from pyport.files import sha256
+from pyport.fitting.fit import off_by
 from pyport.fitting.table import MOST_COMBINATIONS
 from pyport.models.model import Model
 from pyport.page.markup import Linear, as_file, chance, linear, notes
 from pyport.page.payload import layers, visible
 from pyport.page.picture import Layer, Picture, Side, columns, sides
 from pyport.page.story import Bar, Card, Rival, Source, Story, Turn, rows_of, sky_rms
-from pyport.recordings.schema import Recordings, Stack
+from pyport.recordings.schema import Recordings
 from pyport.report.finding import completed
 from pyport.report.made import report_of
 from pyport.report.typed import Finding, HeldOut, Report
@@ -270,20 +270,3 @@ def _turn(diagnosis: Diagnosis, step: Step) -> Turn:
             )
     winner = step.winner.candidate.effect
     return Turn(winner.id, step.p_value, tuple(list(best.values())[:MOST_RIVALS]))
-
-
-def off_by(
-    recordings: Recordings, stack: Stack, left: Array, used: NDArray[np.bool_]
-) -> tuple[tuple[int, str], ...]:
-    """Return the line of each outlier among m readings and what is the matter with it.
-
-    `left` (m,) is what is left of the readings [rad], `used` (m,) is false for an outlier.
-    """
-    names = recordings.at.mount.names
-    return tuple(
-        (
-            int(recordings.line[stack.row[n]]),
-            f"{names[int(stack.is_y[n])]} off by {left[n] / ARCSEC:.1f} arcsec",
-        )
-        for n in np.flatnonzero(~used)
-    )

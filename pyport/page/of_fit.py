@@ -9,11 +9,11 @@ import numpy as np
 from pyport.angles import Array
 from pyport.fitting import soundness
 from pyport.fitting.combinations import of_fit as combined
-from pyport.fitting.fit import Fit, completed
+from pyport.fitting.fit import Fit, completed, off_by
 from pyport.fitting.table import MOST_COMBINATIONS
 from pyport.models.model import Model
 from pyport.page.markup import as_file, linear
-from pyport.page.of_diagnosis import bars_of, off_by, picture_of, source_of
+from pyport.page.of_diagnosis import bars_of, picture_of, source_of
 from pyport.page.picture import Layer, Picture, sides
 from pyport.page.story import Story, rows_of, sky_rms
 

@@ -72,7 +72,7 @@ def distinct(models: Sequence[Model], given: Sequence[str]) -> list[Model]:
     files = [Path(one).name for one in given]
     found = []
     for model, file, path in zip(models, files, given, strict=True):
-        several = [one.name for one in models].count(model.name) > 1
+        several = "." in file and [one.name for one in models].count(model.name) > 1
         called = path if files.count(file) > 1 else file
         found.append(replace(model, name=called) if several else model)
     return found

@@ -13,6 +13,7 @@ from pyport.effects.empirical import fields as empirical
 from pyport.errors import BadInput
 from pyport.fitting.fit import fit, leftover_text
 from pyport.fitting.soundness import linear, neglected, warnings
+from pyport.fitting.table import as_json, text
 from pyport.formats import models
 from pyport.least_squares.gram import Solution
 from pyport.models.model import CLASSICAL_TERMS, Term
@@ -228,6 +229,22 @@ def test_zeros_alone_lose_nothing():
 
     given = found.stack, made.at, found.stack.value, found.noise.used
     assert neglected(*given, left=0.0) < 1e-3 * ARCSEC
+
+
+def test_outliers_are_listed_line_by_line():
+    """Ten on the terminal, all of them for programs."""
+    made = simulated(120, 5.0, 1)
+    y = made.y.copy()
+    y[5:17] += 2000 * ARCSEC
+    found = fit(replace(made, y=y), models.load("altaz"))
+    said = [one for one in text(found).splitlines() if one.startswith("outlier: ")]
+    told = as_json(found)["outliers"]
+
+    assert len(said) == 11
+    assert said[0] == f"outlier: line {made.line[5]}, {told[0]['why']}"
+    assert said[-1] == "outlier: 2 more, see --json"
+    assert [one["line"] for one in told] == made.line[5:17].tolist()
+    assert all("elevation off by " in one["why"] for one in told)
 
 
 def test_an_outlier_does_not_make_offsets_large():

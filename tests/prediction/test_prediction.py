@@ -238,6 +238,8 @@ def test_models_of_one_name_are_called_by_their_files(tmp_path):
     assert [one.partition(":")[0] for one in told["verdict"] if ": 7 terms" in one] == names[1:]
     found = compare.distinct([ALTAZ, ALTAZ, load("gmrt-paper")], ["a/m.toml", "b/m.toml", "m"])
     assert [one.name for one in found] == ["a/m.toml", "b/m.toml", "gmrt-paper"]
+    found = compare.distinct([ALTAZ, ALTAZ], ["altaz", "m.toml"])
+    assert [one.name for one in found] == ["altaz", "m.toml"]
 
 
 @pytest.mark.parametrize(("worse", "overfit"), [(1.02, False), (1.04, True), (1.5, True)])

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from pyport.angles import ARCSEC, DEG, Array, separation
 from pyport.files import write_whole
-from pyport.page.of_diagnosis import bars_of, off_by, picture_of, source_of
+from pyport.fitting.fit import off_by
+from pyport.page.of_diagnosis import bars_of, picture_of, source_of
 from pyport.page.picture import Layer, Picture, sides
 from pyport.page.story import Row, Story
 from pyport.plots.findings import BLUE, GREY, ORANGE
