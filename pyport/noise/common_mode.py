@@ -60,7 +60,7 @@ def excess(
     common = csr_array((share, (place, there)), shape=(len(scans), len(left)))
     mean = common @ left
     spare = len(scans) - np.sum((common @ model) ** 2)
-    if spare < FEWEST:
+    if len(scans) < FEWEST or spare < 1:
         return Excess()
     starts = np.cumsum([one.shape[1] for one in explained])[:-1]
     least = Excess(mean @ mean / spare, spare)

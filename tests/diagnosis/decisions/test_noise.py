@@ -733,6 +733,8 @@ def test_what_draws_more_than_a_quarter_of_the_scans_explains_nothing(shapes, ex
 def test_what_the_model_has_fitted_is_missing_from_the_common_mode():
     """Ten common terms take ten of forty scans' deviations."""
     assert together(40, 2, fitted=10).dof == pytest.approx(40 - 10 - 2)
+    assert shaken(6, 8, fitted=5).dof == pytest.approx(3)
+    assert shaken(6, 8, fitted=8).dof == np.inf
     assert shaken(4, 40, fitted=20).factor == pytest.approx(shaken(4, 40).factor, rel=0.4)
 
 
