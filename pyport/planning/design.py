@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from pyport.angles import DEG, Array, separation
 from pyport.diagnosis import candidates as listing
 from pyport.diagnosis.candidates import Candidate, Untestable
+from pyport.effects.base import Coefficient
 from pyport.fitting.fit import expanded
 from pyport.least_squares import robust
 from pyport.models.model import Model, Term
@@ -97,6 +98,17 @@ class Column:
     term: Term
     coefficient: int
     labels: tuple[str, ...]
+
+    @property
+    def of(self) -> Coefficient:
+        """Return what its coefficient is."""
+        return self.term.effect.coefficients[self.coefficient]
+
+    @property
+    def name(self) -> str:
+        """Return the coefficient's name, with its group in brackets."""
+        labels = " ".join(filter(None, self.labels))
+        return self.of.name + (f"[{labels}]" if labels else "")
 
 
 @dataclass(frozen=True)

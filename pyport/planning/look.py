@@ -151,13 +151,11 @@ def _known(made: Design) -> tuple[tuple[Known, ...], float]:
     length = np.linalg.norm(columns, axis=0)
     found = []
     for n, column in enumerate(made.columns):
-        coefficient = column.term.effect.coefficients[column.coefficient]
-        labels = " ".join(filter(None, column.labels))
         found.append(
             Known(
-                coefficient.name + (f"[{labels}]" if labels else ""),
-                float(sigma[n] / abs(coefficient.scale)),
-                coefficient.unit,
+                column.name,
+                float(sigma[n] / abs(column.of.scale)),
+                column.of.unit,
                 float(sigma[n] * length[n]) if np.isfinite(sigma[n]) else math.inf,
             )
         )

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.angles import Array
+from pyport.angles import ARCSEC, Array
 from pyport.diagnosis.candidates import Candidate
 from pyport.least_squares.gram import RANK_TOLERANCE, inverted
 from pyport.planning.design import Design
@@ -29,6 +29,10 @@ class Sight:
     inflation: float  #: how many times larger that is than without the model
     #: Effects that it could not be distinguished from, and the share of its curves that each draws.
     alike: tuple[tuple[str, float], ...]
+    #: Of an effect whose size physics gives: how many sigmas that is, and what the model's
+    #: coefficients would take of it, in arcsec.
+    known_sigmas: float | None = None
+    taken_for: tuple[tuple[str, float], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -74,7 +78,11 @@ def separate(design: Design) -> Separation:
     seen = []
     for name in names:
         likeness = tuple(alike[name].items())
-        sights = [_sight(*one, likeness) for one in there if one[0].effect.id == name]
+        sights = [
+            _of_known_size(_sight(*one, likeness), design, *one[:2])
+            for one in there
+            if one[0].effect.id == name
+        ]
         seen.append(sorted(sights, key=lambda one: one.sigma)[len(sights) // 2])
     every = dict.fromkeys(one.effect.id for one in design.candidates if one.effect.id not in own)
     return Separation(
@@ -175,6 +183,22 @@ def _sight(
         float(sigma[worst] / alone[worst]) if np.isfinite(alone[worst]) else np.inf,
         tuple(sorted(alike, key=lambda one: -one[1])),
     )
+
+
+def _of_known_size(sight: Sight, design: Design, candidate: Candidate, columns: Array) -> Sight:
+    """Return a sight with what becomes of its effect at the size that physics gives, if any."""
+    (one, *others) = (candidate.effect.coefficients[n] for n in candidate.coefficients)
+    if others or one.expected is None or not np.isfinite(sight.sigma):
+        return sight
+    moved = columns[:, 0] * one.expected * one.scale
+    values = np.linalg.lstsq(design.model, moved, rcond=RANK_TOLERANCE)[0] / ARCSEC
+    taken = [
+        (column.name, float(value))
+        for column, value in zip(design.columns, values, strict=True)
+        if column.of.unit == "arcsec"
+    ]
+    taken.sort(key=lambda each: -abs(each[1]))
+    return replace(sight, known_sigmas=abs(one.expected) / sight.sigma, taken_for=tuple(taken))
 
 
 def sigmas(columns: Array) -> tuple[Array, float]:

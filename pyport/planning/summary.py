@@ -13,6 +13,7 @@ from pyport.planning.look import Look
 from pyport.planning.suggest import Direction
 from pyport.recordings.schema import as_input, counted
 from pyport.report import typed
+from pyport.thresholds import SEEN
 
 _WIDTH = 96
 _SEEN = (
@@ -23,6 +24,8 @@ _SEEN = (
 MOST_DECISIONS, MOST_PROMISES = 4, 10
 #: Inflation from which a coefficient of the model is listed.
 LOOSE = 5.0
+#: Terms of the model that take up an effect, listed at most.
+MOST_TERMS = 3
 #: A promise of less than this factor is none.
 WORTH = 1.2
 
@@ -94,6 +97,14 @@ def _seen(look: Look) -> Iterable[str]:
         name = one.effect + (f" ({one.variant})" if one.variant else "")
         size = f"{one.sigma:8.2g} {unit_in_words(one.unit):<10}"
         yield f"  {name:<60.60} {size} x {one.inflation:.1f}"
+        if one.known_sigmas is not None and one.known_sigmas < SEEN:
+            terms = [
+                f"{term} {value:+.3g} arcsec"
+                for term, value in one.taken_for[:MOST_TERMS]
+                if abs(value) * ARCSEC > look.noise
+            ]
+            if terms:
+                yield f"    not seen at the size that physics gives it: {', '.join(terms)} instead"
 
 
 def _hidden(look: Look) -> Iterable[str]:

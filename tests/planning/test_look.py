@@ -12,12 +12,15 @@ from pages import recordings
 
 from pyport.angles import ARCSEC, DEG, separation
 from pyport.cli.observe import look as command
+from pyport.effects import catalogue
+from pyport.fitting.fit import fit
 from pyport.formats.models import load
 from pyport.planning import look
 from pyport.planning.design import cells, coverage, design
 from pyport.planning.separate import classes, separate
 from pyport.planning.suggest import directions, suggest
 from pyport.planning.summary import as_json, text
+from pyport.recordings import read
 from pyport.thresholds import VISIBLE
 
 ALTAZ = load("altaz")
@@ -254,3 +257,40 @@ def test_a_look_is_the_same_every_time():
     one, other = (json.dumps(as_json(look(recordings(), ALTAZ))) for _ in range(2))
 
     assert one == other
+
+
+def test_what_the_model_takes_of_an_effect_of_known_size_is_said(tmp_path):
+    """In minutes precession is not seen: hour angle and polar axis take it, as a fit shows."""
+    rng = np.random.default_rng(4)
+    lines = ["# latitude_deg: 48", "# longitude_deg: 11.6", "# mount: fork"]
+    lines.append("time_utc,ha_deg,dec_deg,d_ha_arcsec,d_dec_arcsec")
+    for n in range(40):
+        ha, dec = rng.uniform(-60, 60), rng.uniform(-10, 70)
+        at = f"2021-03-04T20:{n // 12:02d}:{5 * (n % 12):02d}"
+        lines.append(f"{at},{ha:.4f},{dec:.4f},{rng.normal()},{rng.normal()}")
+    (tmp_path / "night.csv").write_text("\n".join(lines) + "\n")
+    made = read(tmp_path / "night.csv")
+    model = ALTAZ.on(made.at.mount)
+    seen = separate(design(made, model, 10 * ARCSEC)).seen
+    (sight,) = (one for one in seen if one.effect == "precession")
+    (effect,) = (
+        one
+        for one in catalogue(made.at.mount)["precession"].variants(made.at)
+        if one.variant == sight.variant
+    )
+    x, y = (one[:, 0] for one in effect.columns(made.at))
+    before, after = (
+        fit(one, model, weights="equal").coefficients
+        for one in (made, replace(made, x=made.x + x, y=made.y + y))
+    )
+    changed = {
+        coefficient.name: (new.value[n] - old.value[n]) / ARCSEC
+        for old, new in zip(before, after, strict=True)
+        for n, coefficient in enumerate(old.term.effect.coefficients)
+    }
+
+    assert sight.known_sigmas < 2
+    assert abs(sight.taken_for[0][1]) > 200
+    assert dict(sight.taken_for) == pytest.approx(changed, abs=1e-3)
+    said = text(look(made, model, noise_arcsec=10))
+    assert "not seen at the size that physics gives it: " + sight.taken_for[0][0] in said
