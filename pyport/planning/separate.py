@@ -78,12 +78,10 @@ def separate(design: Design) -> Separation:
     seen = []
     for name in names:
         likeness = tuple(alike[name].items())
-        sights = [
-            _of_known_size(_sight(*one, likeness), design, *one[:2])
-            for one in there
-            if one[0].effect.id == name
-        ]
-        seen.append(sorted(sights, key=lambda one: one.sigma)[len(sights) // 2])
+        members = [one for one in there if one[0].effect.id == name]
+        sights = [_sight(*one, likeness) for one in members]
+        middle = sorted(range(len(sights)), key=lambda n: sights[n].sigma)[len(sights) // 2]
+        seen.append(_of_known_size(sights[middle], design, *members[middle][:2]))
     every = dict.fromkeys(one.effect.id for one in design.candidates if one.effect.id not in own)
     return Separation(
         tuple(seen),
