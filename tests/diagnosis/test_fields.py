@@ -474,6 +474,17 @@ def test_a_blank_cell_hides_no_column(blank, known):
     assert all(np.isfinite(one.values).all() for one in bumps)
 
 
+@pytest.mark.parametrize(("values", "followed"), [(4, False), (5, False), (6, True), (12, True)])
+def test_numbers_of_five_values_have_an_offset_each_and_of_six_a_curve(values, followed):
+    """A curve through six has bends of its own."""
+    made = recordings(300, 3, valve=np.resize(np.arange(values, dtype=float), 300))
+    found = {one.variant for _, one in families(prepare(made, load("altaz")))}
+
+    assert ("valve" in numbers(made)) == followed
+    assert ("follows valve" in found) == followed
+    assert ("by valve" in found) != followed
+
+
 def test_how_many_columns_go_together_decides_nothing(monkeypatch):
     """One at a time or all at once: the same evidence of every field and every candidate."""
     problem = prepare(recordings(120, 12), load("altaz"))
