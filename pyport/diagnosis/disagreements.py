@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from pyport.angles import Array
 from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.weighing import WhitenedData, weigh
+from pyport.effects.circumstances import utc
 from pyport.fitting.two_axes import UNLIKELY, Difference, difference
 from pyport.least_squares.gram import spanned
 from pyport.runs.stages import stage
@@ -198,6 +199,6 @@ def cuts(problem: Problem) -> dict[str, tuple[tuple[str, str], Mask]]:
     time = at.times
     if time is not None and np.ptp(time) > 0:
         middle = float(np.median(time))
-        when = f"{np.datetime64(round(middle), 's')}Z"
+        when = utc(middle)
         found["time"] = (f"before {when}", f"after {when}"), (time <= middle)[row]
     return found

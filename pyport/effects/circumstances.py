@@ -37,6 +37,11 @@ def nights_of(time: Array) -> Codes:
     return night
 
 
+def utc(time: float) -> str:
+    """Return a moment [s, UTC since 1970] as ISO 8601, to the second."""
+    return f"{np.datetime64(round(time), 's')}Z"
+
+
 def mostly_known(values: Array) -> bool:
     """Tell whether at least half of some numbers are known: of what fewer tell nothing is said."""
     known = np.isfinite(values)

@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 
 from pyport import __version__, angles
 from pyport.angles import ARCSEC, Array
+from pyport.effects.circumstances import utc
 from pyport.effects.empirical.drivers import unit_in_words
+from pyport.effects.empirical.epochs import steps_back
 from pyport.effects.empirical.fields import UNKNOWN
 from pyport.errors import BadInput
 from pyport.files import sha256
@@ -184,6 +186,7 @@ ENTER, IN_FILE, CHANGE = (
 GRID = "pyport convert writes it for another program as waves, or with --rest-as grid.csv as a grid"
 TIMED = "it follows time: pyport apply takes it off where times are recorded"
 PAST = "its phase wanders, and what it will do is not known: there is nothing to enter"
+OVER = "it came back: there is nothing to enter"
 #: Endings of names of what a coefficient is counted from.
 COUNTED = frozenset({"c", "s", "centre", "rad", "h"})
 #: More coefficients than this are those of many antennas or sessions: a file holds them.
@@ -195,14 +198,16 @@ def lines(completed: Completed, terms: Sequence[Term] = ()) -> list[str]:
 
     What a coefficient is counted from (a mean temperature, a moment) stands below, as far as
     `terms` tell; a field without a name has numbers that no control system takes, what was free in
-    every stretch of time has none that hold after it, and what the recordings leave open has one of
-    many.
+    every stretch of time and what stepped back have none that hold after it, and what the
+    recordings leave open has one of many.
     """
     if completed.undetermined:
         return []
     fields = {one.finding for one in completed.values if one.effect == UNKNOWN}
     timed = {one.finding for one in terms if "time_utc" in one.effect.needs} & fields
-    past = {one.finding for one in terms if one.effect.changes_with == "stretch"} - {None}
+    past = {one.finding: PAST for one in terms if one.effect.changes_with == "stretch"}
+    past |= {one.finding: OVER for one in terms if np.isfinite(steps_back(one.effect))}
+    past.pop(None, None)
     values = [one for one in completed.values if one.effect != UNKNOWN and one.finding not in past]
     open_ = [label(one) for one in values if not one.determined]
     values = [one for one in values if one.determined]
@@ -212,7 +217,7 @@ def lines(completed: Completed, terms: Sequence[Term] = ()) -> list[str]:
         f"finding {n}: a field without a name; {TIMED if n in timed else GRID}"
         for n in sorted(fields, key=str)
     ]
-    lines += [f"finding {n}: {PAST}" for n in sorted(past, key=str)]
+    lines += [f"finding {n}: {past[n]}" for n in sorted(past, key=str)]
     counted = [term for term in terms if _counted(term) and term.finding not in past]
     lines += [f"{term.effect.id}: {_counted(term)}" for term in counted]
     if not values:
@@ -241,7 +246,7 @@ def _counted(term: Term) -> str:
     }
     since = numbers.pop("since_s", 0.0)
     said = [f"{name} = {value:.10g}" for name, value in numbers.items()]
-    said += [f"since {np.datetime64(round(since), 's')}Z"] * bool(since)
+    said += [f"since {utc(since)}"] * bool(since)
     return ", ".join(said)
 
 

@@ -36,7 +36,9 @@ def notes(finding: Finding, axes: tuple[str, str]) -> list[tuple[str, str]]:
     ]
     found += [(name, " ".join(values)) for name, values in where.subset.items()]
     if where.since:
-        found.append(("since", where.since))
+        found.append(("since" if where.until is None else "from", where.since))
+    if where.until:
+        found.append(("to", where.until))
     if finding.looks_like:
         found.append(("looks like", finding.looks_like))
     if len(finding.class_) > 1:

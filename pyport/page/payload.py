@@ -55,8 +55,7 @@ def layers(diagnosis: Diagnosis, curves: list[Array]) -> tuple[list[Layer], list
         )
         region = tuple(part for f in mine for part in f.where.region)
         curve = next((f.where.curve for f in mine if f.where.curve), ())
-        since = next((f.where.since for f in mine if f.where.since), None)
-        found.append(Layer(name, region, curve, since))
+        found.append(Layer(name, region, curve))
     return found, of_finding
 
 
@@ -108,7 +107,6 @@ def payload(picture: Picture) -> dict[str, object]:
         "layers": [
             {
                 "name": one.name,
-                "since": one.since,
                 "curve": [[round(a, 3), round(e, 3)] for a, e in one.curve],
             }
             for one in picture.layers

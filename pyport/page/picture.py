@@ -64,7 +64,6 @@ class Layer:
     name: str
     region: tuple[Interval, ...] = ()
     curve: tuple[tuple[float, float], ...] = ()
-    since: str | None = None
 
 
 @dataclass(frozen=True)

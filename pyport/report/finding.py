@@ -31,7 +31,7 @@ def finding_of(one: found.Finding) -> Finding:
         class_=one.members,
         verdict=one.verdict,
         sentence=one.sentence,
-        where=Place(where.axes, where.subset, where.region, curve, where.since),
+        where=Place(where.axes, where.subset, where.region, curve, where.since, where.until),
         parameters=one.parameters,
         evidence=one.evidence,
         visible_rms_arcsec=one.visible_rms / ARCSEC,

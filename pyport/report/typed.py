@@ -121,6 +121,7 @@ class Place:
     region: Annotated[tuple[Interval, ...], "intervals that hold together"]
     curve: Annotated[tuple[dict[str, float], ...] | None, "`az_deg`, `el_deg` along an edge"]
     since: Annotated[str | None, "ISO 8601 time from which on"]
+    until: Annotated[str | None, "ISO 8601 time before which, where it came back"]
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from pyport.angles import ARCSEC, Array
 from pyport.diagnosis.naming.classes import decide_by
 from pyport.diagnosis.naming.finding import Parameter
 from pyport.diagnosis.naming.words import number
+from pyport.effects.circumstances import utc
 from pyport.watch.detection.antenna import Antenna
 from pyport.watch.detection.changes import Change
 from pyport.watch.detection.composite import log_omitted
@@ -103,7 +104,7 @@ def moment(value: float | None, *, timed: bool) -> str | float | None:
     """Return a time as ISO 8601 UTC, or the number of a row; None where it is not known."""
     if value is None or not math.isfinite(value):
         return None
-    return f"{np.datetime64(round(value), 's')}Z" if timed else value
+    return utc(value) if timed else value
 
 
 def members(names: Sequence[tuple[str, ...]], chance: Array) -> list[tuple[tuple[str, ...], float]]:

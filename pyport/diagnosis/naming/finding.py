@@ -116,13 +116,14 @@ class Interval:
 
 @dataclass(frozen=True)
 class Where:
-    """Where a mismatch is: axes, labels, intervals that hold together, a curve, a beginning."""
+    """Where a mismatch is: axes, labels, intervals that hold together, a curve, since and until."""
 
     axes: tuple[str, ...]
     subset: dict[str, list[str]] = field(default_factory=dict)
     region: tuple[Interval, ...] = ()
     curve: tuple[tuple[float, float], ...] | None = None
     since: str | None = None
+    until: str | None = None
 
 
 @dataclass(frozen=True)

@@ -127,13 +127,15 @@ def _single(
     named = effect.physical and few and not refuting
     one = len(called.members) == 1 and not called.others and not like
     verdict = ("named" if one else "ambiguous") if named else "unknown"
+    since, until = words.moments(effect)
     where = Where(
         # Where other terms move to make room for it, it is not.
         axes(problem, np.where(curve != 0, seen, 0.0)),
         moved_antennas(scene, curve),
         chosen.candidate.region,
         curve=curve_points(problem, effect),
-        since=words.since(effect),
+        since=since,
+        until=until,
     )
     return Finding(
         effect=effect.id if named else "unknown",

@@ -11,7 +11,9 @@ from pyport.angles import ARCSEC, decimals, handy
 from pyport.diagnosis.disagreements import Disagreement, Halves
 from pyport.diagnosis.naming.finding import Parameter, Where
 from pyport.effects.base import Effect
+from pyport.effects.circumstances import utc
 from pyport.effects.empirical.drivers import unit_in_words
+from pyport.effects.empirical.epochs import steps_back
 from pyport.effects.mounts import meaning
 from pyport.fitting.two_axes import Difference
 from pyport.mounts import ALTAZ
@@ -34,11 +36,15 @@ WATCH = {
 _SHOWN = 6
 
 
-def since(effect: Effect) -> str | None:
-    """Return when a step happened, as ISO 8601 UTC; None for an effect that is no step in time."""
+def moments(effect: Effect) -> tuple[str | None, str | None]:
+    """Return when a step happened and when it stepped back, as ISO 8601 UTC; None where it did not.
+
+    Neither for an effect that is no step in time.
+    """
     if effect.changes_with != "session" or effect.parameter is None:
-        return None
-    return f"{np.datetime64(round(effect.parameter), 's')}Z"
+        return None, None
+    until = steps_back(effect)
+    return utc(effect.parameter), utc(until) if np.isfinite(until) else None
 
 
 def nameless(effect: Effect, called: Name, *, few: bool) -> str:

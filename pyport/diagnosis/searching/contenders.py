@@ -8,8 +8,8 @@ import numpy as np
 
 from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.evidence import Projection
-from pyport.diagnosis.searching.changes import refine
 from pyport.diagnosis.searching.confirming import among, confirmed
+from pyport.diagnosis.searching.refining import refine
 from pyport.diagnosis.shapes.wave_fits import is_line
 from pyport.diagnosis.trial import CandidateFit
 from pyport.diagnosis.weighing import noise, projection, weigh

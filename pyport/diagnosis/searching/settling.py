@@ -16,8 +16,8 @@ from pyport.diagnosis.case import Chosen, confounded
 from pyport.diagnosis.holdout import unseen
 from pyport.diagnosis.naming import classes
 from pyport.diagnosis.naming.classes import TIE
-from pyport.diagnosis.searching.changes import past_outliers
 from pyport.diagnosis.searching.confirming import lead, likeliest
+from pyport.diagnosis.searching.refining import past_outliers
 from pyport.diagnosis.searching.turns import Outcome, Step
 from pyport.diagnosis.searching.winner import trials_of
 from pyport.diagnosis.shapes.drive_waves import is_short

@@ -20,6 +20,7 @@ from pyport.effects.base import (
     MissingColumn,
     stack,
 )
+from pyport.effects.circumstances import utc
 from pyport.effects.sky.site import hour_angle_turned
 from pyport.effects.telescope.geometry import azimuth_zero, sag_cosine, tilt
 from pyport.thresholds import SEVERAL
@@ -82,18 +83,36 @@ def _when(at: Circumstances) -> Array:
     return at.numbers("time" if "time" in at or "order" not in at else "order")
 
 
-def epoch_step(since: float, effect: Effect | None = None, *, of_order: bool = False) -> Effect:
+def epoch_step(
+    since: float, effect: Effect | None = None, until: float = np.inf, *, of_order: bool = False
+) -> Effect:
     """Return an effect of epochs, by default `epoch_offset`, as a step at one moment.
 
-    `since` is in seconds UTC since 1970, or a number of rows in the file's order.
+    `since` is in seconds UTC since 1970, or a number of rows in the file's order; so is `until`,
+    when it steps back.
     """
-    when = (
-        f"since row {int(since) + 2}" if of_order else f"since {np.datetime64(round(since), 's')}Z"
-    )
-    inside = lambda at: (_when(at) >= since)[:, None]  # noqa: E731 - as short as it says
-    member = {"since_row" if of_order else "since_s": since}
-    step = _within(effect or _OFFSET, inside, [when], f"step, {when}", member)
+    back = np.isfinite(until)
+    if of_order:
+        when = (
+            f"rows {int(since) + 2} to {int(until) + 1}" if back else f"since row {int(since) + 2}"
+        )
+    else:
+        when = f"from {utc(since)} to {utc(until)}" if back else f"since {utc(since)}"
+
+    def inside(at: Circumstances) -> NDArray[np.bool_]:
+        now = _when(at)
+        return ((now >= since) & (now < until))[:, None]
+
+    unit = "row" if of_order else "s"
+    member = {f"since_{unit}": since} | ({f"until_{unit}": until} if back else {})
+    variant = f"step and back, {when}" if back else f"step, {when}"
+    step = _within(effect or _OFFSET, inside, [when], variant, member)
     return replace(step, parameter=since, changes_with="order" if of_order else "session")
+
+
+def steps_back(step: Effect) -> float:
+    """Return when a step steps back, as it was given to `epoch_step`; infinite if it stays."""
+    return float(step.member.get("until_s", step.member.get("until_row", np.inf)))
 
 
 def _steps(effect: Effect, at: Circumstances, moments: Array) -> tuple[Effect, ...]:
@@ -117,21 +136,23 @@ def _in_session_alone(effect: Effect, name: str) -> Effect:
 
 
 def _made(effect: Callable[[], Effect]) -> Callable[..., Effect]:
-    """Return what makes a member of an effect of epochs: by sessions, or since a moment."""
+    """Return what makes a member of an effect of epochs: by sessions, or from a moment on."""
 
     def make(
         sessions: Sequence[str] | None = None,
         session: str | None = None,
         since_s: float = 0.0,
         since_row: float | None = None,
+        until_s: float = np.inf,
+        until_row: float = np.inf,
     ) -> Effect:
         if sessions is not None:
             return _in_sessions(effect(), sessions)
         if session is not None:
             return _in_session_alone(effect(), session)
         if since_row is not None:
-            return epoch_step(since_row, effect(), of_order=True)
-        return epoch_step(since_s, effect())
+            return epoch_step(since_row, effect(), until_row, of_order=True)
+        return epoch_step(since_s, effect(), until_s)
 
     return make
 

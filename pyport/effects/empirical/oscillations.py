@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from pyport.angles import DEG, Array
 from pyport.effects.base import AXES, Circumstances, Coefficient, Effect, MissingColumn, stack
+from pyport.effects.circumstances import utc
 
 #: The id of an oscillation.
 OSCILLATION = "oscillation"
@@ -106,7 +107,7 @@ def _ways(direction_deg: float | None) -> list[tuple[str, float, float]]:
 def _variant(
     period_s: float, since_s: float, stretches_s: Sequence[Stretch] | None, *, reversing: bool
 ) -> str:
-    phase = f", phase since {np.datetime64(round(since_s), 's')}Z" if since_s else ""
+    phase = f", phase since {utc(since_s)}" if since_s else ""
     if stretches_s is not None:
         phase = f", its phase free in {len(stretches_s)} stretches of time"
     sides = ", its sign changing with the side of the pier" if reversing else ""
