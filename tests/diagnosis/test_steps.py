@@ -13,8 +13,13 @@ from pyport.diagnosis.case import Chosen
 from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.naming import scene as scenes
 from pyport.diagnosis.naming import verdict
-from pyport.diagnosis.searching import changes, settling
+from pyport.diagnosis.preparing import prepare
+from pyport.diagnosis.searching import refining, settling
 from pyport.diagnosis.searching import search as searching
+from pyport.diagnosis.weighing import plain_view, weigh
+from pyport.effects import CATALOGUE
+from pyport.effects.circumstances import utc
+from pyport.effects.empirical.epochs import epoch_step, steps_back
 from pyport.formats.models import load
 from pyport.mounts import KINDS
 
@@ -87,6 +92,82 @@ def test_a_large_step_makes_no_outliers(step_arcsec, seed):
     assert done.weighed.used.reshape(2, -1)[:, LAST + 1].all()
 
 
+ROWS = np.arange(120)
+
+
+def displaced(rows, since, until, **night):
+    """Return the finding of one night of 3 arcsec of noise in which the zeros were displaced."""
+    inside = (np.arange(rows) >= since) & (np.arange(rows) < until)
+    made = recordings(
+        rows, 0, noise_arcsec=3.0, x=lambda _: 20.0 * inside, y=lambda _: -20.0 * inside
+    )
+    night = night or {"time": 1.2e9 + 120.0 * ROWS[:rows]}
+    (found,) = diagnose(replace(made, at=replace(made.at, columns=night)), load("altaz")).findings
+    return found
+
+
+@pytest.mark.parametrize(("since", "until"), [(20, 32), (50, 95)])
+def test_what_moved_and_came_back_is_one_finding(since, until):
+    """From its first moment to its last, with the size that it had in between."""
+    found = displaced(120, since, until)
+    moments = [1.2e9 + 120 * (n - 0.5) for n in (since, until)]
+
+    assert found.variant.startswith("step and back, from ")
+    assert (found.where.since, found.where.until) == tuple(map(utc, moments))
+    for one, size in zip(found.parameters, (20, -20), strict=True):
+        assert one.value == pytest.approx(size, abs=4 * one.sigma)
+
+
+def test_what_came_back_without_times_is_between_rows():
+    """In the file's numbers of rows: the first is 1."""
+    found = displaced(60, 20, 32, order=ROWS[:60])
+
+    assert found.variant == "step and back, rows 21 to 32"
+
+
+def test_what_stays_has_no_end():
+    """The second moment must earn its price."""
+    found = displaced(120, 70, 120)
+
+    assert found.variant.startswith("step, since ")
+    assert found.where.until is None
+
+
+def steps_of(id_, sessions):
+    """Return the steps that are tried of an effect in 120 readings of some sessions."""
+    night = ROWS * sessions // 120
+    made = recordings(
+        120,
+        0,
+        noise_arcsec=3.0,
+        x=lambda _: 20.0 * ((ROWS >= 50) & (ROWS < 70)),
+        time=1.2e9 + 120.0 * ROWS + 86400.0 * night,
+        session=night.astype(str),
+    )
+    problem = prepare(made, load("altaz"))
+    noise = weigh(problem).covariance
+    step = epoch_step(1.2e9, CATALOGUE[id_])
+    return refining._steps(problem, plain_view(problem, noise, ()), step)
+
+
+def test_a_step_pays_for_each_moment():
+    """What steps back has two of them."""
+    prices = {np.isfinite(steps_back(one)): price for one, price in steps_of("epoch_offset", 2)}
+
+    assert prices[True] == pytest.approx(2 * prices[False])
+    assert prices[False] == pytest.approx(np.log(240), abs=0.1)
+
+
+def test_only_zeros_come_back_and_in_the_same_session():
+    """Of sessions that scatter some are always between others."""
+    assert not any(np.isfinite(steps_back(one)) for one, _ in steps_of("epoch_tilt", 2))
+    spans = [(one.parameter, steps_back(one)) for one, _ in steps_of("epoch_offset", 2)]
+    back = [(since, until) for since, until in spans if np.isfinite(until)]
+
+    assert back
+    assert all(until - since < 60 * 120 for since, until in back)
+
+
 @cache
 def found_with_drifts():
     """Return the scene of a step, its place among the choices, and its turn."""
@@ -147,7 +228,7 @@ def test_only_steps_have_a_moment_to_move():
         if one.effect.parameter is not None and not one.effect.is_change
     )
 
-    assert changes.past_outliers(problem, None, Chosen(harmonic, "all")) == (problem, [])
+    assert refining.past_outliers(problem, None, Chosen(harmonic, "all")) == (problem, [])
 
 
 @pytest.mark.slow

@@ -14,6 +14,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pyport.angles import Array
 from pyport.diagnosis.case import Chosen, Problem, confounded
@@ -24,7 +25,9 @@ from pyport.diagnosis.weighing import best_shown, shown_beside
 from pyport.effects import Effect
 from pyport.effects.empirical.oscillations import OSCILLATION
 from pyport.noise.covariance import Covariance
+from pyport.recordings.sky import clock
 from pyport.runs.stages import stage
+from pyport.thresholds import FEWEST
 
 
 @stage("proposing changes")
@@ -80,11 +83,29 @@ def _departs(problem: Problem, effect: Effect) -> bool:
 def still_noise(problem: Problem, covariance: Covariance) -> Covariance:
     """Return what scatters and drifts within a session: no departures, no longer memory.
 
-    Of a single session nothing drifts.
+    Of a single session nothing drifts. Outliers that follow each other are readings again: what
+    was displaced for a while is no mistake of each.
     """
     session = _session_s(problem)
     noises = tuple(one.shown_within(session) for one in covariance.noises)
-    return replace(covariance, noises=noises, departures=())
+    weights = np.where(_consecutive(problem, ~covariance.used), 1.0, covariance.weights)
+    return replace(covariance, noises=noises, departures=(), weights=weights)
+
+
+def _consecutive(problem: Problem, outlying: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Tell which readings are of pointings that follow each other and are outlying all, (m,).
+
+    As many as have `FEWEST` readings.
+    """
+    row = problem.stack.row
+    of_row = np.zeros(row.max() + 1, np.bool_)
+    of_row[row[outlying]] = True
+    order = np.unique(row)
+    order = order[np.argsort(clock(problem.recordings.at)[order], kind="stable")]
+    turns = np.flatnonzero(np.diff(of_row[order], prepend=False, append=False))
+    for first, behind in turns.reshape(-1, 2):
+        of_row[order[first:behind]] = behind - first >= FEWEST // 2
+    return of_row[row]
 
 
 def _session_s(problem: Problem) -> float:
