@@ -166,7 +166,7 @@ def diagnose(
         problem=problem,
         weighed=weighed,
         findings=tuple(reading.collect(scene)),
-        p_value=outcome.p_value,
+        p_value=outcome.chance,
         detection_limits=_limits(problem, outcome),
         untestable=problem.untestable,
         before=before,

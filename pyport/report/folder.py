@@ -38,7 +38,8 @@ def text(report: Report) -> str:
     for said in filter(None, (report.misread, report.determines_nothing)):
         lines += _wrapped(said)
     if report.mismatch:
-        lines.append(f"The model leaves something out (chance of noise alone {_chance(report)}).")
+        model = "As the file stands, the model" if report.misread else "The model"
+        lines.append(f"{model} leaves something out (chance of noise alone {_chance(report)}).")
         for n, finding in enumerate(report.findings, 1):
             lines += _finding(n, finding)
     else:

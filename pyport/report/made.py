@@ -89,10 +89,17 @@ def report_of(diagnosis: Diagnosis, array: ArrayReport | None = None) -> Report:
         determines_nothing=determines_nothing(diagnosis),
         too_few=diagnosis.too_few is not None,
         noisy=tuple(diagnosis.noisy),
-        corrections=()
-        if whole.completed is None
-        else tuple(corrections.lines(whole.completed, whole.terms)),
+        corrections=tuple(_corrections(diagnosis, whole)),
     )
+
+
+def _corrections(diagnosis: Diagnosis, whole: Model) -> list[str]:
+    """Return the table of what to enter; none of a file that may have been misread."""
+    if whole.completed is None:
+        return []
+    if diagnosis.misread:
+        return ["nothing to enter before it is known how this file is to be read"]
+    return corrections.lines(whole.completed, whole.terms)
 
 
 def _two_axes(one: Disagreement, names: tuple[str, str]) -> TwoAxes:

@@ -13,6 +13,7 @@ from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Chosen
 from pyport.diagnosis.diagnose import diagnose
 from pyport.diagnosis.naming import waves
+from pyport.diagnosis.naming.finding import Parameter
 from pyport.diagnosis.preparing import prepare
 from pyport.diagnosis.searching import contenders, winner
 from pyport.diagnosis.searching.confirmed_changes import Changes
@@ -159,6 +160,27 @@ def test_an_overtone_of_something_slower_keeps_no_name(kind, times, passed):
 
     assert check.passed == passed
     assert f"every {times} periods" in check.words or passed
+
+
+@pytest.mark.parametrize(
+    ("minutes", "sigma", "count", "passed"),
+    [
+        (361.5, 0.8, 3, False),
+        (363.5, 0.8, 3, True),
+        (476.0, 23.0, 3, False),
+        (288.0, 0.1, 3, False),
+        (240.0, 0.1, 3, True),
+        (361.5, 0.8, 1, True),
+    ],
+)
+def test_an_overtone_of_the_day_keeps_no_name(monkeypatch, minutes, sigma, count, passed):
+    """Down to a fifth of it, within four sigma, where more nights than one have it in common."""
+    monkeypatch.setattr(waves, "nights", lambda _: count)
+    period = Parameter("period", minutes, sigma, "min")
+
+    assert waves.of_a_day(None, oscillation(minutes * 60), period).passed == passed
+    free = oscillation(minutes * 60, 0.0, [(0.0, 7200.0)], direction_deg=30.0)
+    assert waves.of_a_day(None, free, period).passed
 
 
 def test_one_is_enough(swinging):

@@ -13,6 +13,7 @@ from pyport.diagnosis import joint
 from pyport.diagnosis.case import Chosen
 from pyport.diagnosis.diagnose import diagnose
 from pyport.effects import CATALOGUE
+from pyport.effects.empirical.epochs import epoch_step
 from pyport.effects.empirical.oscillations import oscillation
 from pyport.errors import BadInput
 from pyport.fitting.fit import completed as completed_fit
@@ -21,7 +22,7 @@ from pyport.fitting.table import as_json as fit_json
 from pyport.fitting.table import text
 from pyport.formats.models import load
 from pyport.models import toml
-from pyport.models.complete import PAST, decimals, lines
+from pyport.models.complete import OVER, PAST, decimals, lines
 from pyport.models.conditions import Completed, Value
 from pyport.models.model import Model, Term
 from pyport.models.terms.editing import edited
@@ -269,6 +270,18 @@ def test_what_wandered_is_nothing_to_enter():
 
     assert [line.split()[0] for line in told] == ["enter", "refraction", "finding"]
     assert told[-1] == "finding 1: " + PAST
+
+
+def test_what_came_back_is_nothing_to_enter():
+    """A zero that was displaced for an hour is now as it was."""
+    step = epoch_step(1.0e9, until=1.0e9 + 3600)
+    values = [
+        Value(one.name, step.id, "arcsec", 20.0, 0.1, 0.0, {}, 1, determined=True)
+        for one in step.coefficients
+    ]
+    told = lines(Completed({}, tuple(values), np.eye(2)), [Term(step, finding=1)])
+
+    assert told == ["finding 1: " + OVER]
 
 
 def test_what_is_not_determined_is_not_entered():

@@ -88,6 +88,7 @@ def _checks(
     checks = halves(problem, scene.weighed, scene.joint, choice)
     if effect.id == OSCILLATION:
         checks.append(waves.own_period(scene, chosen))
+        checks.append(waves.of_a_day(scene, effect, parameters[0]))
     if drive_waves.is_short(effect):
         like = waves.alias(effect, drive_waves.way_of(problem, effect))
         checks.append(waves.throughout(scene, chosen))

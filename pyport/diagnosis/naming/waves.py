@@ -11,6 +11,7 @@ from pyport.angles import ARCSEC, DEG, Array
 from pyport.diagnosis.case import Chosen
 from pyport.diagnosis.joint import excess_of
 from pyport.diagnosis.naming.finding import Parameter
+from pyport.diagnosis.naming.guards import nights
 from pyport.diagnosis.naming.scene import Check, Scene
 from pyport.diagnosis.shapes import drive_waves
 from pyport.diagnosis.shapes.edges import levels_of
@@ -18,8 +19,9 @@ from pyport.diagnosis.shapes.fields import Ground
 from pyport.diagnosis.shapes.wave_fits import likeliest_direction, likeliest_period
 from pyport.diagnosis.trial import at_best
 from pyport.effects.base import Effect
+from pyport.effects.circumstances import DAY_S
 from pyport.effects.telescope.encoders import SHORTEST_DEG
-from pyport.thresholds import CONVINCING, FEWEST, NAME_PRICE, NOT_EXCLUDED, VISIBLE
+from pyport.thresholds import CONVINCING, FEWEST, NAME_PRICE, NOT_EXCLUDED, REFUTES, VISIBLE
 
 #: Order of the curve by which the amplitude of a wave may change along an angle: a third of the
 #: range with the wave and two thirds without show in it.
@@ -204,6 +206,22 @@ def own_period(scene: Scene, chosen: Chosen) -> Check:
     slow = slower > CONVINCING
     how = f"every {best + 1} periods, evidence {slower:.0f}" if slow else "no slower"
     return Check(not slow, f"what it leaves repeats {how}")
+
+
+def of_a_day(scene: Scene, effect: Effect, period: Parameter) -> Check:
+    """Check that the period of an oscillation is no overtone of a day, which nights have in common.
+
+    What goes with the time of day is seldom one sine, and what a sine leaves of it has overtones.
+    Beyond `MULTIPLES` of them periods that have nothing to do with the day come near one.
+    """
+    minutes = DAY_S / 60
+    times = round(minutes / period.value)
+    off = abs(times * period.value - minutes) > REFUTES * times * period.sigma
+    in_phase = effect.changes_with != "stretch" and nights(scene) > 1
+    if off or times > MULTIPLES or not in_phase:
+        return Check(passed=True, words="its period is no overtone of a day")
+    words = f"{times} of its periods are a day: what goes with the time of day has such overtones"
+    return Check(passed=False, words=words)
 
 
 def of_oscillation(scene: Scene, choice: int) -> list[Parameter]:

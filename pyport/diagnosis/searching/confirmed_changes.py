@@ -101,7 +101,7 @@ class Changes:
     def _sure_of(self, beside: Projection | None, one: Contender) -> Contender:
         # Beside noise that holds still it gained what the noise would have taken.
         sure = evidence_anew(one, self.chosen)
-        trial = replace(one.trial, evidence=sure, gain=sure)
+        trial = replace(one.trial, evidence=sure, gain=sure, delta_bic=sure)
         return replace(one, trial=trial, beside=beside, sure=sure)
 
 

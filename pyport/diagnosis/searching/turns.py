@@ -158,6 +158,11 @@ class Outcome:
     banned: frozenset[str] = frozenset()
     nearest: Contender | None = None
 
+    @property
+    def chance(self) -> float:
+        """Return the chance that noise alone looks like the surest of what stands."""
+        return min((self.step_of(one).p_value for one in self.chosen), default=self.p_value)
+
     def step_of(self, one: Chosen) -> Step:
         """Return the last turn in which something was chosen."""
         return next(step for step in reversed(self.steps) if step.chosen is one)

@@ -12,6 +12,7 @@ from pyport.diagnosis.case import Chosen
 from pyport.diagnosis.naming import scene
 from pyport.diagnosis.searching import settling
 from pyport.diagnosis.searching.turns import Outcome
+from pyport.effects.empirical.epochs import epoch_step
 from pyport.least_squares.gram import Solution
 
 
@@ -102,6 +103,17 @@ def test_without_times_pointings_are_dealt_to_ten_folds(rows):
 
     assert found.scheme == "leave pointings out, ten folds"
     assert np.bincount(found.fold).tolist() == [max(1, rows // 10)] * min(10, rows)
+
+
+@pytest.mark.parametrize(("until", "scheme"), [(np.inf, "blocks of time"), (2e9, "pointings")])
+def test_what_came_back_is_held_to_pointings(until, scheme):
+    """A block of time may hold all of it, and nothing beside it tells its size."""
+    back = chosen("epoch_offset")
+    effect = epoch_step(1e9, until=until)
+    back = replace(back, candidate=replace(back.candidate, effect=effect))
+    found = holdout.folds(problem(rows=100, sessions=2), weighed(), (back,))
+
+    assert found.scheme.startswith(f"leave {scheme} out")
 
 
 def test_scans_of_an_array_are_left_out_whole():

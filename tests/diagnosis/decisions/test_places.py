@@ -13,7 +13,7 @@ from pyport.diagnosis import candidates, disagreements
 from pyport.diagnosis.arrays import findings, lasting, places, repeat
 from pyport.diagnosis.naming import words
 from pyport.diagnosis.naming.finding import Evidence, Finding, Where
-from pyport.diagnosis.searching import changes
+from pyport.diagnosis.searching import refining
 from pyport.diagnosis.shapes import boxes, edges, fields
 from pyport.diagnosis.shapes.forms import Field
 from pyport.diagnosis.trial import at_best
@@ -49,8 +49,9 @@ def test_a_step_has_eight_readings_on_either_side(after, placed):
     order = np.argsort(time, kind="stable")
     left = np.zeros(60)
     left[order[-after:]] = 5.0
-    found = changes._moments(problem, viewed(left), CATALOGUE["epoch_offset"])
-    moments = [one.parameter for one in found]
+    problem.session = np.zeros(60, int)
+    found = refining._steps(problem, viewed(left), CATALOGUE["epoch_offset"])
+    moments = [one.parameter for one, _ in found]
     middle = (time[order[-after - 1]] + time[order[-after]]) / 2
 
     assert any(abs(one - middle) < 1e-3 for one in moments) == placed

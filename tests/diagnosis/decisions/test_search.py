@@ -27,8 +27,9 @@ from pyport.diagnosis.searching import (
 )
 from pyport.diagnosis.searching.confirmed_changes import Changes
 from pyport.diagnosis.searching.contenders import Contender
-from pyport.diagnosis.searching.turns import Outcome, family_p_value, gain_needed
+from pyport.diagnosis.searching.turns import Outcome, Step, family_p_value, gain_needed
 from pyport.diagnosis.trial import at_best
+from pyport.effects.circumstances import Circumstances
 from pyport.noise.covariance import Covariance
 from pyport.noise.estimation.frame import Frame
 from pyport.noise.series import Departures, Noise
@@ -1138,6 +1139,8 @@ def test_sessions_may_differ_only_in_an_array():
 def still(setup_):
     """Return a covariance whose drifts and departures a test looks at."""
     noise = Noise(0.0, 1.0, ((2.0, 100.0), (1.0, 40000.0)))
+    at = Circumstances(np.zeros(2), np.ones(2), columns={"time": np.arange(2.0)})
+    setup_.stack, setup_.recordings = SimpleNamespace(row=np.arange(2)), SimpleNamespace(at=at)
     return changes.still_noise(
         setup_,
         Covariance(
@@ -1167,6 +1170,34 @@ def test_within_a_single_session_nothing_drifts():
     found = still(problem_with(session=np.zeros(20, int), parts=[part]))
 
     assert found.noises[0].drifts == ()
+
+
+@pytest.mark.parametrize(
+    ("rows", "back"), [([4, 5, 6, 7], 4), ([4, 5, 6, 8], 0), ([0, 1, 2, 3, 9], 4)]
+)
+def test_outliers_that_follow_each_other_are_readings_again(rows, back):
+    """As many pointings as have the fewest readings in two axes; alone each stays an outlier."""
+    at = Circumstances(np.zeros(20), np.ones(20), columns={"time": 1e9 - np.arange(20.0)})
+    problem = problem_with(
+        stack=SimpleNamespace(row=np.tile(np.arange(20), 2)), recordings=SimpleNamespace(at=at)
+    )
+    found = changes._consecutive(problem, np.isin(np.arange(40), rows))
+
+    assert found[:20].sum() == found[20:].sum() == back
+    assert not found[[8, 9, 28, 29]].any()
+
+
+@pytest.mark.parametrize(("kept", "chance"), [((0, 1), 1e-9), ((1,), 1e-3), ((), 0.5)])
+def test_the_chance_is_that_of_what_stands(kept, chance):
+    """What was dropped no longer speaks for a mismatch."""
+    turns = [replace(won(), sure=0.0) for _ in range(2)]
+    steps = [
+        Step(one.trial, one.chosen, (), None, p_value)
+        for one, p_value in zip(turns, (1e-9, 1e-3), strict=True)
+    ]
+    end = outcome(*(steps[n] for n in kept))
+
+    assert end.chance == chance
 
 
 def steps_of(evidences):
