@@ -24,8 +24,8 @@ def recorded(
     *,
     hours: float = 0,
     from_deg: float = 0,
-    latitude: int = 1,
-    longitude: int = 1,
+    latitude: float = 1,
+    longitude: float = 1,
     ra: float = 0,
 ) -> tuple[str, ...]:
     """Write directions with their right ascensions and times, one of them wrong; return notes."""
@@ -73,6 +73,12 @@ def test_a_sound_file_says_nothing_against_itself(tmp_path):
         ({"hours": 5.5}, "the times are 5.5 h ahead of UTC"),
         ({"latitude": -1}, "the latitude has the opposite sign"),
         ({"longitude": -1}, "the longitude has the opposite sign"),
+        (
+            {"ra": np.radians(37.5)},
+            "the site is at latitude 50.5 and longitude 44.8 deg, or the times are 152 min "
+            "behind UTC",
+        ),
+        ({"latitude": 1.1}, "the site is at latitude 50.5 and longitude 7.3 deg"),
     ],
 )
 def test_directions_that_contradict_right_ascension_and_time(tmp_path, wrong, why):
@@ -84,8 +90,8 @@ def test_directions_that_contradict_right_ascension_and_time(tmp_path, wrong, wh
 
 
 def test_what_has_no_simple_explanation_is_said_as_well(tmp_path):
-    """A right ascension that is wrong by what no zone is."""
-    (note,) = recorded(tmp_path / "night.csv", ra=np.radians(37.5))
+    """Azimuths that count from northeast."""
+    (note,) = recorded(tmp_path / "night.csv", from_deg=45)
 
     assert note.endswith("time and site say")
 

@@ -11,6 +11,7 @@ import numpy as np
 from pyport.angles import DEG, Array
 from pyport.columns import angle_of
 from pyport.effects.base import Circumstances, MissingColumn
+from pyport.effects.circumstances import Site
 from pyport.effects.sky.frame import from_sky
 from pyport.recordings.raw import Raw
 from pyport.recordings.schema import Recordings
@@ -41,7 +42,7 @@ def note(recordings: Recordings, raw: Raw) -> str:
     timed = "time" in at and at.site is not None and at.site.longitude is not None
     if not said and timed and places | {"ra"} <= angles:
         what = "right ascension, declination, time"
-        said = _compared(recordings, what, ("ra", "dec", "time"), _by_time)
+        said = _compared(recordings, what, ("ra", "dec", "time"), _by_time, _elsewhere)
     return said
 
 
@@ -74,8 +75,12 @@ def _compared(
     what: str,
     names: tuple[str, ...],
     readings: Callable[[Circumstances], Iterator[Otherwise]],
+    at_last: Callable[[Circumstances], Iterator[Otherwise]] = lambda _: iter(()),
 ) -> str:
-    """Return how far directions are from those that columns say, and what would explain it."""
+    """Return how far directions are from those that columns say, and what would explain it.
+
+    `at_last` is asked where none of the `readings` explains it.
+    """
     columns = np.array([recordings.at.az, recordings.at.el, *map(recordings.at.column, names)])
     rows = np.flatnonzero(np.isfinite(columns).all(axis=0))
     if not len(rows):
@@ -92,11 +97,17 @@ def _compared(
         return ""
     south = recordings.meta.get("azimuth_zero", "").lower() == "south"
     found += [(_distance_deg(*place, *there), words) for words, *place in _turned(at, south=south)]
-    less = [f"{left:.1f} deg if {words}" for left, words in sorted(found) if left < ELSEWHERE_DEG]
+    less = _explaining(found) or _explaining(
+        [(_distance_deg(at.az, at.el, *place), words) for words, *place in at_last(at)]
+    )
     return (
         f"azimuth and elevation are {distance:.3g} deg (median of {len(at)} rows) from where "
         f"{what} and site say" + f", but {', or '.join(less)}" * bool(less)
     )
+
+
+def _explaining(found: list[tuple[float, str]]) -> list[str]:
+    return [f"{left:.1f} deg if {words}" for left, words in sorted(found) if left < ELSEWHERE_DEG]
 
 
 def _distance_deg(az: Array, el: Array, other_az: Array, other_el: Array) -> float:
@@ -119,21 +130,48 @@ def _by_time(at: Circumstances) -> Iterator[Otherwise]:
 
     Raises `MissingColumn`: the times are of no year whose sky is known.
     """
-    import erfa
-
-    place = erfa.s2c(at.numbers("ra"), at.numbers("dec"))
-
-    def seen(at: Circumstances, later_s: float = 0.0) -> tuple[Array, Array]:
-        north, east, up = from_sky(at, place, later_s).T
-        return np.arctan2(east, north), np.arctan2(up, np.hypot(north, east))
-
-    yield "", *seen(at)
+    yield "", *_seen(at)
     for hours in filter(None, ZONES_H):
         way = "ahead of" if hours > 0 else "behind"
-        yield f"the times are {abs(hours):g} h {way} UTC", *seen(at, -3600 * hours)
+        yield f"the times are {abs(hours):g} h {way} UTC", *_seen(at, -3600 * hours)
     for name in ("latitude", "longitude"):
         site = replace(at.site, **{name: -getattr(at.site, name)})  # type: ignore[type-var]
-        yield f"the {name} has the opposite sign", *seen(replace(at, site=site))
+        yield f"the {name} has the opposite sign", *_seen(replace(at, site=site))
+
+
+def _elsewhere(at: Circumstances) -> Iterator[Otherwise]:
+    """Yield where right ascension and declination are at these times from where they are so high.
+
+    The sine of an elevation is the component of a direction, on axes of the Earth, along the
+    zenith, which is that of one place.
+    """
+    pole = replace(at, site=Site(np.pi / 2, 0.0))
+    north, east, up = from_sky(pole, _vector(at)).T
+    zenith, _, rank, _ = np.linalg.lstsq(np.stack([-north, east, up], axis=1), np.sin(at.el))
+    if rank < len(zenith):
+        return
+    latitude = float(np.arctan2(zenith[2], np.hypot(*zenith[:2])))
+    longitude = float(np.arctan2(zenith[1], zenith[0]))
+    given = at.site.longitude if at.site is not None and at.site.longitude is not None else 0.0
+    early_min = 4 * (longitude - given) / DEG
+    words = f"the site is at latitude {latitude / DEG:.1f} and longitude {longitude / DEG:.1f} deg"
+    if abs(latitude - at.latitude()) < ELSEWHERE_DEG * DEG:
+        way = "behind" if early_min > 0 else "ahead of"
+        words += f", or the times are {abs(early_min):.0f} min {way} UTC"
+    yield words, *_seen(replace(at, site=Site(latitude, longitude)))
+
+
+def _vector(at: Circumstances) -> Array:
+    """Return where right ascension and declination are, shape (n, 3)."""
+    import erfa
+
+    return np.asarray(erfa.s2c(at.numbers("ra"), at.numbers("dec")))
+
+
+def _seen(at: Circumstances, later_s: float = 0.0) -> tuple[Array, Array]:
+    """Return where right ascension and declination are seen, some time later."""
+    north, east, up = from_sky(at, _vector(at), later_s).T
+    return np.arctan2(east, north), np.arctan2(up, np.hypot(north, east))
 
 
 def _turned(at: Circumstances, *, south: bool) -> Iterator[Otherwise]:
