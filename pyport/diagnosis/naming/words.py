@@ -44,7 +44,7 @@ def moments(effect: Effect) -> tuple[str | None, str | None]:
     if effect.changes_with != "session" or effect.parameter is None:
         return None, None
     until = steps_back(effect)
-    return utc(effect.parameter), utc(until) if np.isfinite(until) else None
+    return utc(effect.parameter), None if until == np.inf else utc(until)
 
 
 def nameless(effect: Effect, called: Name, *, few: bool) -> str:
