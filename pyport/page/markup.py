@@ -37,6 +37,8 @@ def notes(finding: Finding, axes: tuple[str, str]) -> list[tuple[str, str]]:
     found += [(name, " ".join(values)) for name, values in where.subset.items()]
     if where.since:
         found.append(("since" if where.until is None else "from", where.since))
+    if where.between:
+        found.append(("began between", " and ".join(where.between)))
     if where.until:
         found.append(("to", where.until))
     if finding.looks_like:

@@ -71,6 +71,8 @@ def _finding(n: int, finding: Finding) -> list[str]:
         lines.append(f"   Could as well be: {', '.join(finding.class_[1:])}.")
     if finding.looks_like:
         lines.append(f"   Looks like: {finding.looks_like}.")
+    if finding.where.between:
+        lines.append(f"   It began between {' and '.join(finding.where.between)}.")
     if subset := finding.where.subset.get("antenna"):
         lines.append(f"   Antennas: {' '.join(subset)}.")
     lines.append(f"   {finding.size[0].upper()}{finding.size[1:]}.")

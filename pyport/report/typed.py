@@ -122,6 +122,7 @@ class Place:
     curve: Annotated[tuple[dict[str, float], ...] | None, "`az_deg`, `el_deg` along an edge"]
     since: Annotated[str | None, "ISO 8601 time from which on"]
     until: Annotated[str | None, "ISO 8601 time before which, where it came back"]
+    between: Annotated[tuple[str, ...] | None, "ISO 8601 times between which it began"]
 
 
 @dataclass(frozen=True)

@@ -119,6 +119,8 @@ def test_what_moved_and_came_back_is_one_finding(since, until):
     assert found.variant.startswith("step and back, from ")
     seconds = [seconds_of(one) for one in (found.where.since, found.where.until)]
     assert seconds == pytest.approx(moments, abs=120)
+    first, last = map(seconds_of, found.where.between)
+    assert first <= moments[0] <= last
     for one, size in zip(found.parameters, (20, -20), strict=True):
         assert one.value == pytest.approx(size, abs=4 * one.sigma)
 
@@ -153,6 +155,29 @@ def steps_of(id_, sessions):
     noise = weigh(problem).covariance
     step = epoch_step(1.2e9, CATALOGUE[id_])
     return refining._steps(problem, plain_view(problem, noise, ()), step)
+
+
+@pytest.mark.parametrize(("arcsec", "least", "most"), [(5.0, 2, 30), (60.0, 1, 1)])
+def test_how_well_a_moment_is_known_goes_with_the_size_of_the_step(arcsec, least, most):
+    """Between more recordings where it is small; between two where it is large."""
+    made = recordings(
+        120,
+        0,
+        noise_arcsec=3.0,
+        y=lambda _: arcsec * (ROWS >= 70),
+        time=1.2e9 + 120.0 * ROWS,
+        session=np.full(120, "night"),
+    )
+    problem = prepare(made, load("altaz"))
+    plain = next(one for one in problem.candidates if one.effect.id == "epoch_offset")
+    step = epoch_step(1.2e9 + 120 * 69.5, CATALOGUE["epoch_offset"])
+    problem, one = problem.with_member(Chosen(plain, "all"), step)
+    noise = weigh(problem, (one,)).covariance
+    first, last = refining.began_between(problem, noise, (), one)
+    rows = (last - first) / 120
+
+    assert first <= step.parameter <= last
+    assert least <= rows <= most
 
 
 def test_a_step_pays_for_each_moment():

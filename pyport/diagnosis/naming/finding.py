@@ -116,7 +116,10 @@ class Interval:
 
 @dataclass(frozen=True)
 class Where:
-    """Where a mismatch is: axes, labels, intervals that hold together, a curve, since and until."""
+    """Where a mismatch is: axes, labels, intervals that hold together, a curve, since and until.
+
+    `between` are the last time before it began and the first since.
+    """
 
     axes: tuple[str, ...]
     subset: dict[str, list[str]] = field(default_factory=dict)
@@ -124,6 +127,7 @@ class Where:
     curve: tuple[tuple[float, float], ...] | None = None
     since: str | None = None
     until: str | None = None
+    between: tuple[str, str] | None = None
 
 
 @dataclass(frozen=True)

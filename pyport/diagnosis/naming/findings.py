@@ -10,7 +10,7 @@ import numpy as np
 
 from pyport.angles import Array
 from pyport.diagnosis.arrays.findings import of_array, taken_apart
-from pyport.diagnosis.case import Problem
+from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.joint import contribution, visible
 from pyport.diagnosis.naming import classes, waves, words
 from pyport.diagnosis.naming.finding import Finding, Parameter, Where, beyond
@@ -28,9 +28,11 @@ from pyport.diagnosis.naming.scene import (
     size,
 )
 from pyport.diagnosis.naming.verdict import honest
+from pyport.diagnosis.searching.refining import began_between
 from pyport.diagnosis.searching.turns import Step
 from pyport.diagnosis.shapes import drive_waves
 from pyport.diagnosis.shapes.edges import curve_points
+from pyport.effects.circumstances import utc
 from pyport.effects.empirical.oscillations import OSCILLATION
 from pyport.effects.mounts import declared
 from pyport.fitting.soundness import largest_offset
@@ -103,6 +105,13 @@ def _checks(
     return checks, like
 
 
+def _between(scene: Scene, chosen: Chosen) -> tuple[str, str]:
+    """Return between which times of recordings a step began."""
+    covariance, others = scene.weighed.covariance, scene.outcome.others(chosen)
+    first, last = began_between(scene.problem, covariance, others, chosen)
+    return utc(first), utc(last)
+
+
 def _single(
     scene: Scene, choice: int, step: Step, bend_of: Callable[[str], tuple[Check, str | None]]
 ) -> Finding:
@@ -137,6 +146,7 @@ def _single(
         curve=curve_points(problem, effect),
         since=since,
         until=until,
+        between=_between(scene, chosen) if since and chosen.scope == "all" else None,
     )
     return Finding(
         effect=effect.id if named else "unknown",

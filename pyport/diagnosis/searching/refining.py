@@ -18,7 +18,7 @@ from pyport.effects.empirical.epochs import epoch_step, steps_back
 from pyport.noise.covariance import Covariance
 from pyport.recordings.sky import clock
 from pyport.runs.stages import stage
-from pyport.thresholds import FEWEST
+from pyport.thresholds import FEWEST, SIGNIFICANT
 
 #: The best moment of each of so many stretches of time is weighed with the drift.
 STRETCHES = 24
@@ -166,6 +166,31 @@ def _back(shown: _Shown, there: Rows, first: int, session: Codes) -> tuple[int, 
     last = int(behind[np.argmax(shown.gains(np.full(len(behind), first), behind))])
     before = near[near <= last - FEWEST]
     return int(before[np.argmax(shown.gains(before, np.full(len(before), last)))]), last
+
+
+def began_between(
+    problem: Problem, covariance: Covariance, others: Sequence[Chosen], one: Chosen
+) -> tuple[float, float]:
+    """Return the recordings between which a step began, by their time or number.
+
+    Of the `STRETCHES` moments on either side of it those that explain the readings nearly as well,
+    by less than `SIGNIFICANT` sigma, are as likely to be the one.
+    """
+    effect, at = one.candidate.effect, problem.recordings.at
+    whole, until = catalogue(at.mount)[effect.id], steps_back(effect)
+    time = np.unique(clock(at)[problem.stack.row])
+    time = time[np.isfinite(time)]
+    now = int(np.searchsorted(time, effect.parameter or 0.0))
+    near = np.arange(max(1, now - STRETCHES), min(len(time), now + STRETCHES + 1))
+    near = near[time[near] < until]
+    of_order, which = effect.changes_with == "order", list(one.candidate.coefficients)
+    steps = [
+        epoch_step(float(time[n - 1] + time[n]) / 2, whole, until, of_order=of_order) for n in near
+    ]
+    columns = [problem.stack.columns(step, at)[:, which] for step in steps]
+    gains = np.array(_gains(problem, covariance, others, columns))
+    likely = near[gains >= gains[near == now] - SIGNIFICANT**2]
+    return float(time[likely[0] - 1]), float(time[likely[-1]])
 
 
 def past_outliers(
