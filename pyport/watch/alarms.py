@@ -23,6 +23,8 @@ from pyport.watch.detection.detector import SPREADS, Detector, log_odds
 #: An effect is named when it has this probability among all that could have changed; until then
 #: a class is, of those that make it up together.
 NAMED = 0.95
+#: Another name, or a return, is said when it is likelier than all else together.
+HALF = 0.5
 #: A name with this much of the probability is preferred if it has already been given to a
 #: standing alarm: what comes back is the same thing.
 STANDING = 0.02
@@ -72,6 +74,9 @@ class Alarm:
     sentence: str = ""
     next: str = ""
     ended: float | None = None  #: when it was withdrawn or over
+    #: When what changed went back, if it has while it was being named, and how likely it has.
+    back: float = math.nan
+    went_back: float = 0.0
     #: Whether it may have been so all along, the past not having shown it: no change.
     stood: bool = False
 
@@ -88,7 +93,7 @@ class Alarm:
     def as_json(self, *, timed: bool) -> dict[str, Any]:
         """Return it as JSON holds it; times as ISO 8601 where pointings have times."""
         found = asdict(self)
-        for key in ("raised", "since", "since_low", "since_high", "ended"):
+        for key in ("raised", "since", "since_low", "since_high", "ended", "back"):
             found[key] = moment(found[key], timed=timed)
         found["members"] = [
             {"effects": list(alike), "probability": round(chance, 4)}
@@ -135,13 +140,15 @@ def describe(alarm: Alarm, change: Change) -> None:
         )
         alarm.next = f"fit the model with what the past left out: diagnose, or --add {alarm.effect}"
         return
+    back = ", and went back" * (alarm.went_back > HALF)
     if alarm.named:
-        alarm.sentence = f"{pattern}: {effect.sentence}; changed by {sizes}"
+        alarm.sentence = f"{pattern}: {effect.sentence}; changed by {sizes}{back}"
         alarm.next = f"check it at the telescope; if it stays, fit {alarm.effect} anew"
         return
     likely = alarm.members[:_SHOWN]
     some = "; ".join(f"{' or '.join(alike)} ({chance:.0%})" for alike, chance in likely)
-    alarm.sentence = f"{pattern}; changed by {sizes} if it is {alarm.effect}; could be {some}"
+    which = f"if it is {alarm.effect}; could be {some}"
+    alarm.sentence = f"{pattern}; changed by {sizes}{back}, {which}"
     ids = [one for alike, _ in alarm.members for one in alike if one not in SPREADS]
     alarm.next = decide_by(ids[:2]) or "go on observing: more pointings will tell"
 
@@ -162,7 +169,11 @@ def name(watch: Antenna, alarm: Alarm, every: dict[int, Alarm]) -> tuple[int, in
     for slot in watch.slots:
         if every[slot.alarm].effect in likely and chance[:, slot.change].sum() > STANDING:
             change = slot.change
-    start = int(np.argmax(chance[:, change]))
+    gone = np.isfinite(own.back)
+    alarm.went_back = float(chance[gone].sum())
+    of_kind = gone == (alarm.went_back > HALF)
+    start = int(np.argmax(np.where(of_kind, chance[:, change], -1.0)))
+    alarm.back = float(own.back[start])
     alarm.effect = names[change][0]
     alarm.members.sort(key=lambda one: (alarm.effect not in one[0], -one[1]))
     alarm.log_ratio = total
@@ -196,14 +207,16 @@ def _name_omitted(watch: Antenna, alarm: Alarm) -> int:
 
 def _date(own: Detector, alarm: Alarm, start: int, chance: Array) -> None:
     """Say since when: the likeliest start, and those before and after it that bear 0.9."""
-    by_start = chance.sum(axis=1)
+    # One that may have gone back began when it did.
+    rows, first_of, which = np.unique(own.row, return_index=True, return_inverse=True)
+    by_start, clock = np.bincount(which, chance.sum(axis=1)), own.clock[first_of]
     order = np.argsort(-by_start)
     bearing = order[: 1 + int(np.searchsorted(np.cumsum(by_start[order]), 0.9))]
-    bearing = np.append(bearing, start)
+    bearing = np.append(bearing, which[start])
     alarm.since, alarm.since_row = float(own.clock[start]), int(own.row[start])
     # starts between two that are kept were merged into one of them
-    first, last = max(int(bearing.min()) - 1, 0), min(int(bearing.max()) + 1, len(own.clock) - 1)
-    alarm.since_low, alarm.since_high = float(own.clock[first]), float(own.clock[last])
+    first, last = max(int(bearing.min()) - 1, 0), min(int(bearing.max()) + 1, len(rows) - 1)
+    alarm.since_low, alarm.since_high = float(clock[first]), float(clock[last])
 
 
 def resize(watch: Antenna, alarm: Alarm, change: int, mean: Array, covariance: Array) -> None:

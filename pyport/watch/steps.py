@@ -6,7 +6,8 @@ from math import log
 
 import numpy as np
 
-from pyport.watch.alarms import CONFIRMED, OVER, WITHDRAWN, Alarm, name, resize
+from pyport.angles import Array
+from pyport.watch.alarms import CONFIRMED, HALF, NAMED, OVER, WITHDRAWN, Alarm, name, resize
 from pyport.watch.detection import composite, detector, null
 from pyport.watch.detection.antenna import Antenna, Slot, columns_of, first_state, state_columns
 from pyport.watch.detection.detector import SPREADS, Detector
@@ -17,8 +18,6 @@ from pyport.watch.detection.prepare import Rows
 NAMING = 20
 #: Where it has none by now, the likeliest is taken for it.
 LONGEST_NAMING = 60
-#: Another name is reported when it is likelier than all others together.
-HALF = 0.5
 
 
 def take(watch: Antenna, rows: Rows, n: int, every: dict[int, Alarm], number: int) -> list[str]:
@@ -37,6 +36,8 @@ def take(watch: Antenna, rows: Rows, n: int, every: dict[int, Alarm], number: in
         if watch.detector.open:
             now, clock = watch.nulls.log_ratio, float(rows.clock[n])
             detector.start(watch.detector, watch.layout, watch.null, watch.rows, clock, now)
+        elif watch.pending is not None and not every[watch.pending].stood:
+            detector.may_go_back(watch.detector, watch.layout, float(rows.clock[n]))
     white = np.sqrt(rows.variance[n] * watch.null.scale)
     watch.left = np.stack([rows.off[n], white], axis=1)
     for axis in (0, 1):
@@ -75,7 +76,11 @@ def _judge(watch: Antenna, rows: Rows, n: int, every: dict[int, Alarm], number: 
     alarm.stood = alarm.stood and evidence < watch.threshold
     best = name(watch, alarm, every)
     age = watch.rows - alarm.raised_row
-    if age >= LONGEST_NAMING or (age >= NAMING and len(alarm.members) == 1):
+    at_last = age >= LONGEST_NAMING
+    if alarm.went_back > (HALF if at_last else NAMED) and age >= NAMING:
+        return _over(watch, alarm, best)
+    known_to_stay = alarm.went_back < 1 - NAMED
+    if at_last or (age >= NAMING and len(alarm.members) == 1 and known_to_stay):
         return _confirm(watch, alarm, best, every)
     known = alarm.effect, alarm.named, alarm.stood
     return [f"renamed {alarm.number}"] if known != was and alarm.members[0][1] > HALF else []
@@ -134,6 +139,28 @@ def _confirm(
     composite.settle(watch.nulls)
     _afresh(watch)
     return happened
+
+
+def _over(watch: Antenna, alarm: Alarm, best: tuple[int, int]) -> list[str]:
+    """Go on as before: what changed went back while it was being named."""
+    start, change = best
+    # Less than an alarm asks for was an alarm by chance.
+    alarm.state = OVER if watch.evidence >= watch.threshold else WITHDRAWN
+    alarm.ended = alarm.back
+    if change < watch.layout.members:
+        watch.standing.mean, watch.standing.covariance = (
+            watch.unchanged_mean,
+            watch.unchanged_covariance,
+        )
+        bias, mean, spread = _learnt(watch, start, change, watch.detector)
+        whole = watch.null.covariance + bias @ spread @ bias.T
+        watch.null.mean, watch.null.covariance = (
+            watch.null.mean - bias @ mean,
+            (whole + whole.T) / 2,
+        )
+    composite.settle(watch.nulls)
+    _afresh(watch)
+    return [f"{alarm.state} {alarm.number}"]
 
 
 def _spreads(watch: Antenna, one: Innovation, before: Predictive) -> None:
@@ -200,11 +227,8 @@ def adopt(watch: Antenna, start: int, change: int, again: Slot | None, own: Dete
     mean for the changed telescope is m - bias t, t being of the mean and covariance in `own`.
     """
     filtered = watch.null
-    places = columns_of(watch, change)
-    size = len(places)
-    bias = own.bias[start, places].T
-    mean, spread = own.mean[start, change, :size], own.covariance[start, change, :size, :size]
-    cross = -bias @ spread
+    bias, mean, spread = _learnt(watch, start, change, own)
+    size, cross = len(mean), -bias @ spread
     joint_mean = np.concatenate([filtered.mean - bias @ mean, mean])
     whole = filtered.covariance + bias @ spread @ bias.T
     joint = np.block([[whole, cross], [cross.T, spread]])
@@ -221,6 +245,14 @@ def adopt(watch: Antenna, start: int, change: int, again: Slot | None, own: Dete
         bias = watch.standing.bias
         watch.standing.bias = np.concatenate([bias, np.zeros((*bias.shape[:2], size))], axis=2)
     filtered.mean, filtered.covariance = joint_mean, (joint + joint.T) / 2
+
+
+def _learnt(watch: Antenna, start: int, change: int, own: Detector) -> tuple[Array, Array, Array]:
+    """Return what one of each coefficient made of the filter, and their mean and covariance."""
+    places = columns_of(watch, change)
+    size = len(places)
+    mean, spread = own.mean[start, change, :size], own.covariance[start, change, :size, :size]
+    return own.bias[start, places].T, mean, spread
 
 
 def adopt_spread(watch: Antenna, alarm: Alarm, start: int, change: int, again: Slot | None) -> None:

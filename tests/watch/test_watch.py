@@ -51,6 +51,40 @@ def test_events_come_in_order_without_gaps(seen):
     assert names[-1] == "confirmed"
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("count", [8, 15])
+def test_what_went_back_while_it_was_named_is_over_and_was_no_other_cause(count):
+    """Since and until when: nothing that follows the Sun or a direction, nor a second change."""
+    drawn, first = world(step=False), 20
+    rows = np.arange(len(drawn.watched["az_deg"]))
+    off = 5 * drawn.sigma * ((rows >= first) & (rows < first + count))
+    watch = pyport.Watch(drawn.past, header=drawn.header)
+    list(watch.replay(drawn.watched | {"d_el_arcsec": drawn.watched["d_el_arcsec"] + off}))
+    (alarm,) = watch.alarms.values()
+    when = np.array(drawn.watched["time_utc"], "datetime64[s]").astype(float)
+
+    assert watch.standing == []
+    assert [one.event for one in watch.events] == ["raised", "over"]
+    assert "went back" in alarm.sentence
+    assert f"to {watch.events[-1].alarm['back']}: " in state.words(watch.events[-1])
+    assert abs(alarm.since_row - 1 - first) <= 1
+    assert abs(np.searchsorted(when, alarm.back) - first - count) <= 1
+    assert {"sag_cosine", "elevation_zero"} & {one for alike, _ in alarm.members for one in alike}
+
+
+@pytest.mark.slow
+def test_what_goes_back_after_it_was_confirmed_is_over():
+    """The second alarm holds the sum, which is nothing."""
+    drawn = world(step=False)
+    rows = np.arange(len(drawn.watched["az_deg"]))
+    off = 5 * drawn.sigma * ((rows >= 20) & (rows < 60))
+    watch = pyport.Watch(drawn.past, header=drawn.header)
+    list(watch.replay(drawn.watched | {"d_el_arcsec": drawn.watched["d_el_arcsec"] + off}))
+
+    assert watch.standing == []
+    assert [one.state for one in watch.alarms.values()] == ["over", "withdrawn"]
+
+
 def test_rows_one_by_one_are_the_same_as_together(drawn, seen):
     """`update` gives what `replay` gives."""
     watch = pyport.Watch(drawn.past, header=drawn.header)

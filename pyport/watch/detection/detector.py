@@ -43,6 +43,8 @@ STARTS, NEWEST = 24, 4
 SPREAD_DOF = 2.0
 #: Outliers and readings that the share of outliers after a change is learnt from.
 MORE_OUTLIERS, OF_READINGS = 0.5, 4.0
+#: Chance that what changed goes back at a pointing: once in a whole naming.
+GOES_BACK = 1 / 60
 #: What is watched for beside the catalogue.
 SPREADS = ("scatter_xel", "scatter_el", "outliers")
 
@@ -106,6 +108,8 @@ class Detector:
     #: `row`, `clock`: when each start was, (S,).
     row: Array
     clock: Array
+    #: When what began at each start went back, NaN where it has not [clock], (S,).
+    back: Array
     begun: int = 0  #: how many starts there were, those merged into others counted
     open: bool = True  #: whether new starts are taken: not while an alarm is being named
 
@@ -163,6 +167,7 @@ def _begun(known: Layout, null: Null, row: int, clock: float, stood: Array) -> d
         "stood": stood,
         "row": np.array(float(row)),
         "clock": np.array(clock),
+        "back": np.array(np.nan),
     }
 
 
@@ -182,6 +187,23 @@ def _merge(detector: Detector, known: Layout, row: int) -> None:
     detector.stood[kept] = detector.stood[pair].min(axis=0)
     gone = pair[0] + pair[1] - kept
     detector.keep(np.delete(np.arange(len(age)), gone))
+
+
+def may_go_back(detector: Detector, known: Layout, clock: float) -> None:
+    """Let what changed at the likeliest start have gone back at this pointing.
+
+    From then on only what the filter made of it is left. Of too many the least likely is dropped.
+    """
+    total = logsumexp(detector.log_mass + known.log_share, axis=1)
+    gone = np.isfinite(detector.back)
+    best = int(np.argmax(np.where(gone, -np.inf, total)))
+    one = {name: values[best].copy() for name, values in detector.arrays().items()}
+    one |= {"log_mass": one["log_mass"] + log(GOES_BACK), "back": np.array(clock)}
+    if gone.sum() == STARTS:
+        least = int(np.argmin(np.where(gone, total, np.inf)))
+        detector.keep(np.delete(np.arange(len(gone)), least))
+    for name, values in detector.arrays().items():
+        setattr(detector, name, np.concatenate([values, one[name][None]]))
 
 
 def forget(detector: Detector, kept: Array) -> None:
@@ -209,7 +231,8 @@ def update(
     wide = log_gross(value * value, scale, share)
     usual = float(log_density(value * value, scale, degrees, share, wide))
     seen = -(detector.bias @ nuisance)
-    seen[:, :-1] += change
+    stays = np.isnan(detector.back)
+    seen[:, :-1] += np.where(stays[:, None], change, 0.0)
     members = known.members
     response = seen[:, known.place] / one.sigma
     along = np.einsum("smpq,smq->smp", detector.covariance, response)
@@ -225,33 +248,42 @@ def update(
     detector.mean += gain * missed[:, :, None]
     detector.covariance -= gain[..., :, None] * along[..., None, :]
     detector.bias += seen[:, :, None] * one.gain
-    _spread(detector, members, one, before, usual)
-    _outlying(detector, members, share, outlier=outlying(value * value / scale, degrees))
+    _spread(detector, members, one, before, usual, stays)
+    outlier = outlying(value * value / scale, degrees)
+    _outlying(detector, members, share, stays, outlier=outlier)
 
 
 def _spread(
-    detector: Detector, members: int, one: Innovation, before: Predictive, usual: float
+    detector: Detector,
+    members: int,
+    one: Innovation,
+    before: Predictive,
+    usual: float,
+    stays: NDArray[np.bool_],
 ) -> None:
-    """Take an innovation for one of another scatter on its axis."""
+    """Take an innovation for one of another scatter on its axis, where that `stays` (S,)."""
     scale, degrees, share, tail = before
     axis, square = one.axis, one.value**2
     dof = detector.spread_dof[:, axis]
     wider, variance = 1 / (1 / degrees + 1 / dof), scale * detector.spread[:, axis]
     density = log_density(square, variance, wider, share, log_gross(square, scale, share))
-    detector.log_mass[:, members + axis] += density - usual
+    detector.log_mass[:, members + axis] += stays * (density - usual)
     # a gross error is none of the scatter's
     capped = min(square / scale, OUTLIER**2 * float(detector.spread[:, axis].max()))
-    detector.spread[:, axis] = learnt(detector.spread[:, axis], dof, capped, 1.0, tail)
-    detector.spread_dof[:, axis] += 1
+    now = learnt(detector.spread[:, axis], dof, capped, 1.0, tail)
+    detector.spread[:, axis] = np.where(stays, now, detector.spread[:, axis])
+    detector.spread_dof[:, axis] += stays
 
 
-def _outlying(detector: Detector, members: int, before: float, *, outlier: bool) -> None:
+def _outlying(
+    detector: Detector, members: int, before: float, stays: NDArray[np.bool_], *, outlier: bool
+) -> None:
     """Count an outlier, or none, against the shares before and after a change for the worse."""
     after = np.maximum(detector.outliers / detector.readings, before)
     ratio = np.log(after) - log(before) if outlier else np.log1p(-after) - log1p(-before)
-    detector.log_mass[:, members + len(SPREADS) - 1] += ratio
-    detector.outliers = detector.outliers + outlier
-    detector.readings = detector.readings + 1
+    detector.log_mass[:, members + len(SPREADS) - 1] += stays * ratio
+    detector.outliers = detector.outliers + outlier * stays
+    detector.readings = detector.readings + stays
 
 
 def log_odds(detector: Detector, known: Layout, null: Array) -> Array:
