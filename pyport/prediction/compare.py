@@ -14,7 +14,15 @@ from pyport.errors import BadInput
 from pyport.least_squares.gram import spanned
 from pyport.models.model import Model
 from pyport.noise.outliers import shared
-from pyport.prediction.contenders import Contender, Night, OwnChoice, Picked, Refitted, solved
+from pyport.prediction.contenders import (
+    AsItStands,
+    Contender,
+    Night,
+    OwnChoice,
+    Picked,
+    Refitted,
+    solved,
+)
 from pyport.prediction.unseen import left_out, on_another, on_the_sky, schemes
 from pyport.recordings.schema import Recordings, as_input
 from pyport.runs.workers import one_thread
@@ -55,6 +63,7 @@ class Comparison:
     warnings: tuple[str, ...]  #: of outliers that are most of a session, receiver or source
     model: Row
     rivals: tuple[Row, ...]
+    standing: tuple[Row, ...]  #: those of them that have coefficients, as they stand
     own: Row
     picked: tuple[Row, ...]
     cancel: dict[str, float]
@@ -64,7 +73,7 @@ class Comparison:
 
     def rows(self) -> tuple[Row, ...]:
         """Return all in the order of a table."""
-        return (self.model, *self.rivals, *self.picked, self.own)
+        return (self.model, *self.rivals, *self.standing, *self.picked, self.own)
 
 
 def distinct(models: Sequence[Model], given: Sequence[str]) -> list[Model]:
@@ -110,6 +119,7 @@ def compare(
     mount = recordings.at.mount
     first = Refitted(night, model.on(mount))
     others_of = [Refitted(night, one.on(mount)) for one in rivals]
+    given = [AsItStands(night, one.on(mount)) for one in (model, *rivals)]
     for each in (first, *others_of):
         if len(night.stack) * KEPT < each.terms + 1:
             raise BadInput(
@@ -140,6 +150,7 @@ def compare(
         tuple(shared(recordings, night.stack, used)),
         row(first),
         tuple(row(one) for one in others_of),
+        tuple(row(one) for one in given if one.has_coefficients),
         row(own),
         tuple(row(one) for one in pickers),
         {one.name: cancelled(one, first) for one in others_of},

@@ -165,6 +165,25 @@ class Refitted:
         return other.value(self.model) - other.columns(self.model) @ values
 
 
+class AsItStands:
+    """A model with the coefficients that it has: nothing is fitted."""
+
+    terms = 0.0
+
+    def __init__(self, night: Night, model: Model):
+        self.night, self.model, self.name = night, model, f"{model.name} as it stands"
+        self.value = night.value(model)
+
+    @property
+    def has_coefficients(self) -> bool:
+        """Tell whether the model gives any offset before it is fitted."""
+        return bool(np.any(self.value != self.night.stack.value))
+
+    def residual(self, train: Rows, other: Night | None = None) -> Array:  # noqa: ARG002
+        """Return what it leaves of all readings, or of another night's."""
+        return self.value if other is None else other.value(self.model)
+
+
 class OwnChoice:
     """The model and waves, shrunk as far as the readings that it is fitted to say."""
 

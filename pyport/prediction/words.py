@@ -38,7 +38,7 @@ def _table(done: Comparison) -> Iterator[str]:
     yield f"{done.file}: {done.pointings} pointings, {done.numbers} offsets{aside}."
     yield (
         "Rms on the sky [arcsec]: in the fit; on pointings, bands of elevation and sectors of "
-        "azimuth left out."
+        "azimuth left out. Of a model as it stands nothing is fitted."
     )
     rows = done.rows()
     nights = {night: f"night {n}" for n, night in enumerate(rows[0].nights, 1)}

@@ -254,7 +254,7 @@ def test_terms_that_leave_as_much_unseen_as_in_the_fit_are_no_overfit(worse, ove
     model, rival = row("altaz", 7.0, 7.0, 7.1), row("mine", 9.0, 3.0, 3.1)
     waves = row("model with waves", 25.0, 5.2, 5.4)
     done = compare.Comparison(
-        "n.csv", 352, 704, 4, (), model, (rival,), waves, (held, anew), {"mine": 1.0}, {}, ()
+        "n.csv", 352, 704, 4, (), model, (rival,), (), waves, (held, anew), {"mine": 1.0}, {}, ()
     )
 
     assert any("overfit" in one for one in words.verdict(done)) == overfit
@@ -320,3 +320,18 @@ def test_a_grid_of_another_mount_is_refused(tmp_path):
     with pytest.raises(BadInput, match="expected an alt-azimuth one"):
         grid.write_grid(night, ALTAZ, tmp_path / "grid.csv")
     assert not (tmp_path / "grid.csv").exists()
+
+
+def test_a_model_with_coefficients_is_also_judged_as_it_stands():
+    """Nothing is fitted to the readings: a model of last year is off by what has changed since."""
+    measured = _night(80, 3)
+    known = completed(fit(measured, ALTAZ))
+    moved = replace(measured, y=measured.y + 20 * ARCSEC)
+    done = compare.compare(moved, ALTAZ, [replace(known, name="last year's")])
+    (row,) = done.standing
+
+    assert (row.name, row.terms) == ("last year's as it stands", 0)
+    assert row.fitted == pytest.approx(20, abs=2)
+    assert set(row.unseen.values()) == {row.fitted}
+    assert done.rivals[0].fitted < 6
+    assert row in done.rows()
