@@ -119,7 +119,7 @@ def compare(
     mount = recordings.at.mount
     first = Refitted(night, model.on(mount))
     others_of = [Refitted(night, one.on(mount)) for one in rivals]
-    given = [AsItStands(night, one.on(mount)) for one in (model, *rivals)]
+    given = [AsItStands(one) for one in (first, *others_of)]
     for each in (first, *others_of):
         if len(night.stack) * KEPT < each.terms + 1:
             raise BadInput(

@@ -170,9 +170,9 @@ class AsItStands:
 
     terms = 0.0
 
-    def __init__(self, night: Night, model: Model):
-        self.night, self.model, self.name = night, model, f"{model.name} as it stands"
-        self.value = night.value(model)
+    def __init__(self, refitted: Refitted):
+        self.night, self.model, self.value = refitted.night, refitted.model, refitted.value
+        self.name = f"{refitted.name} as it stands"
 
     @property
     def has_coefficients(self) -> bool:
