@@ -169,9 +169,8 @@ def name(watch: Antenna, alarm: Alarm, every: dict[int, Alarm]) -> tuple[int, in
     for slot in watch.slots:
         if every[slot.alarm].effect in likely and chance[:, slot.change].sum() > STANDING:
             change = slot.change
-    gone = np.isfinite(own.back)
-    alarm.went_back = float(chance[gone].sum())
-    of_kind = gone == (alarm.went_back > HALF)
+    alarm.went_back = float(chance[~own.stays].sum())
+    of_kind = own.stays == (alarm.went_back <= HALF)
     start = int(np.argmax(np.where(of_kind, chance[:, change], -1.0)))
     alarm.back = float(own.back[start])
     alarm.effect = names[change][0]

@@ -37,7 +37,9 @@ def take(watch: Antenna, rows: Rows, n: int, every: dict[int, Alarm], number: in
             now, clock = watch.nulls.log_ratio, float(rows.clock[n])
             detector.start(watch.detector, watch.layout, watch.null, watch.rows, clock, now)
         elif watch.pending is not None and not every[watch.pending].stood:
-            detector.may_go_back(watch.detector, watch.layout, float(rows.clock[n]))
+            # once in a whole naming
+            once = 1 / LONGEST_NAMING
+            detector.may_go_back(watch.detector, watch.layout, float(rows.clock[n]), once)
     white = np.sqrt(rows.variance[n] * watch.null.scale)
     watch.left = np.stack([rows.off[n], white], axis=1)
     for axis in (0, 1):
@@ -128,17 +130,21 @@ def _confirm(
     if alarm.stood:
         adopt_omitted(watch, change, again)
     elif change < watch.layout.members:
-        # what was seen since was the change's
-        watch.standing.mean, watch.standing.covariance = (
-            watch.unchanged_mean,
-            watch.unchanged_covariance,
-        )
+        _forget_standing(watch)
         adopt(watch, start, change, again, watch.detector)
     else:
         adopt_spread(watch, alarm, start, change, again)
     composite.settle(watch.nulls)
     _afresh(watch)
     return happened
+
+
+def _forget_standing(watch: Antenna) -> None:
+    """Know of what may have stood all along what was known before: the rest was the change's."""
+    watch.standing.mean, watch.standing.covariance = (
+        watch.unchanged_mean,
+        watch.unchanged_covariance,
+    )
 
 
 def _over(watch: Antenna, alarm: Alarm, best: tuple[int, int]) -> list[str]:
@@ -148,10 +154,7 @@ def _over(watch: Antenna, alarm: Alarm, best: tuple[int, int]) -> list[str]:
     alarm.state = OVER if watch.evidence >= watch.threshold else WITHDRAWN
     alarm.ended = alarm.back
     if change < watch.layout.members:
-        watch.standing.mean, watch.standing.covariance = (
-            watch.unchanged_mean,
-            watch.unchanged_covariance,
-        )
+        _forget_standing(watch)
         bias, mean, spread = _learnt(watch, start, change, watch.detector)
         whole = watch.null.covariance + bias @ spread @ bias.T
         watch.null.mean, watch.null.covariance = (

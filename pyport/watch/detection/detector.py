@@ -43,8 +43,6 @@ STARTS, NEWEST = 24, 4
 SPREAD_DOF = 2.0
 #: Outliers and readings that the share of outliers after a change is learnt from.
 MORE_OUTLIERS, OF_READINGS = 0.5, 4.0
-#: Chance that what changed goes back at a pointing: once in a whole naming.
-GOES_BACK = 1 / 60
 #: What is watched for beside the catalogue.
 SPREADS = ("scatter_xel", "scatter_el", "outliers")
 
@@ -117,6 +115,16 @@ class Detector:
         """Return everything that one start holds, an array for each."""
         return {k: one for k, one in vars(self).items() if isinstance(one, np.ndarray)}
 
+    @property
+    def stays(self) -> NDArray[np.bool_]:
+        """Tell of which starts what began has not gone back, (S,)."""
+        return np.isnan(self.back)
+
+    def add(self, one: dict[str, Any]) -> None:
+        """Add a start, an array for each name."""
+        for name, values in self.arrays().items():
+            setattr(self, name, np.concatenate([values, one[name][None]]))
+
     def keep(self, index: NDArray[np.intp]) -> None:
         """Keep some of the starts."""
         for name, values in self.arrays().items():
@@ -146,9 +154,7 @@ def start(
     detector.begun += 1
     if len(detector.row) == STARTS:
         _merge(detector, known, row)
-    new = _begun(known, null, row, clock, stood)
-    for name, values in detector.arrays().items():
-        setattr(detector, name, np.concatenate([values, new[name][None]]))
+    detector.add(_begun(known, null, row, clock, stood))
 
 
 def _begun(known: Layout, null: Null, row: int, clock: float, stood: Array) -> dict[str, Any]:
@@ -189,21 +195,20 @@ def _merge(detector: Detector, known: Layout, row: int) -> None:
     detector.keep(np.delete(np.arange(len(age)), gone))
 
 
-def may_go_back(detector: Detector, known: Layout, clock: float) -> None:
-    """Let what changed at the likeliest start have gone back at this pointing.
+def may_go_back(detector: Detector, known: Layout, clock: float, chance: float) -> None:
+    """Let what changed at the likeliest start have gone back at this pointing, by some chance.
 
     From then on only what the filter made of it is left. Of too many the least likely is dropped.
     """
     total = logsumexp(detector.log_mass + known.log_share, axis=1)
-    gone = np.isfinite(detector.back)
-    best = int(np.argmax(np.where(gone, -np.inf, total)))
+    stays = detector.stays
+    best = int(np.argmax(np.where(stays, total, -np.inf)))
     one = {name: values[best].copy() for name, values in detector.arrays().items()}
-    one |= {"log_mass": one["log_mass"] + log(GOES_BACK), "back": np.array(clock)}
-    if gone.sum() == STARTS:
-        least = int(np.argmin(np.where(gone, total, np.inf)))
-        detector.keep(np.delete(np.arange(len(gone)), least))
-    for name, values in detector.arrays().items():
-        setattr(detector, name, np.concatenate([values, one[name][None]]))
+    one |= {"log_mass": one["log_mass"] + log(chance), "back": np.array(clock)}
+    if (~stays).sum() == STARTS:
+        least = int(np.argmin(np.where(stays, np.inf, total)))
+        detector.keep(np.delete(np.arange(len(stays)), least))
+    detector.add(one)
 
 
 def forget(detector: Detector, kept: Array) -> None:
@@ -231,8 +236,7 @@ def update(
     wide = log_gross(value * value, scale, share)
     usual = float(log_density(value * value, scale, degrees, share, wide))
     seen = -(detector.bias @ nuisance)
-    stays = np.isnan(detector.back)
-    seen[:, :-1] += np.where(stays[:, None], change, 0.0)
+    seen[:, :-1] += np.where(detector.stays[:, None], change, 0.0)
     members = known.members
     response = seen[:, known.place] / one.sigma
     along = np.einsum("smpq,smq->smp", detector.covariance, response)
@@ -248,21 +252,16 @@ def update(
     detector.mean += gain * missed[:, :, None]
     detector.covariance -= gain[..., :, None] * along[..., None, :]
     detector.bias += seen[:, :, None] * one.gain
-    _spread(detector, members, one, before, usual, stays)
-    outlier = outlying(value * value / scale, degrees)
-    _outlying(detector, members, share, stays, outlier=outlier)
+    _spread(detector, members, one, before, usual)
+    _outlying(detector, members, share, outlier=outlying(value * value / scale, degrees))
 
 
 def _spread(
-    detector: Detector,
-    members: int,
-    one: Innovation,
-    before: Predictive,
-    usual: float,
-    stays: NDArray[np.bool_],
+    detector: Detector, members: int, one: Innovation, before: Predictive, usual: float
 ) -> None:
-    """Take an innovation for one of another scatter on its axis, where that `stays` (S,)."""
+    """Take an innovation for one of another scatter on its axis, where that stays."""
     scale, degrees, share, tail = before
+    stays = detector.stays
     axis, square = one.axis, one.value**2
     dof = detector.spread_dof[:, axis]
     wider, variance = 1 / (1 / degrees + 1 / dof), scale * detector.spread[:, axis]
@@ -275,10 +274,9 @@ def _spread(
     detector.spread_dof[:, axis] += stays
 
 
-def _outlying(
-    detector: Detector, members: int, before: float, stays: NDArray[np.bool_], *, outlier: bool
-) -> None:
+def _outlying(detector: Detector, members: int, before: float, *, outlier: bool) -> None:
     """Count an outlier, or none, against the shares before and after a change for the worse."""
+    stays = detector.stays
     after = np.maximum(detector.outliers / detector.readings, before)
     ratio = np.log(after) - log(before) if outlier else np.log1p(-after) - log1p(-before)
     detector.log_mass[:, members + len(SPREADS) - 1] += stays * ratio
