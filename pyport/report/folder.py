@@ -30,11 +30,13 @@ from pyport.report.typed import Dropped, Finding, HeldOut, Report, as_json
 _WIDTH = 96
 #: Effects shown with their detection limit when nothing was found.
 _LIMITS = 6
+#: Lines of excluded rows that are shown for each reason.
+_LINES = 8
 
 
 def text(report: Report) -> str:
     """Return a report as plain text."""
-    lines = [f"{counted(vars(report.input))}, model {report.model.name}"]
+    lines = [f"{counted(vars(report.input))}, model {report.model.name}", *_excluded(report)]
     for said in filter(None, (report.misread, report.determines_nothing)):
         lines += _wrapped(said)
     if report.mismatch:
@@ -62,6 +64,19 @@ def text(report: Report) -> str:
     for sentence in report.warnings:
         lines += _wrapped(f"Warning: {sentence}.")
     return "\n".join(lines)
+
+
+def _excluded(report: Report) -> list[str]:
+    """Return why rows are excluded, and which; of many lines the first."""
+    lines_of: dict[str, list[str]] = {}
+    for one in report.input.set_aside:
+        lines_of.setdefault(one.reason, []).append(str(one.line))
+    said = []
+    for reason, lines in lines_of.items():
+        more = f" and {len(lines) - _LINES} more" if len(lines) > _LINES else ""
+        word = "line" if len(lines) == 1 else "lines"
+        said += _wrapped(f"Excluded, {word} {', '.join(lines[:_LINES])}{more}: {reason}.")
+    return said
 
 
 def _finding(n: int, finding: Finding) -> list[str]:
