@@ -15,8 +15,7 @@ from pyport.diagnosis.joint import rms
 from pyport.diagnosis.naming.finding import HeldOut
 from pyport.diagnosis.searching.changes import columns_anew
 from pyport.diagnosis.weighing import WhitenedData, whitened
-from pyport.effects.base import THE_HOUR, Effect
-from pyport.effects.empirical.epochs import steps_back
+from pyport.effects.base import THE_HOUR
 from pyport.least_squares import robust
 from pyport.least_squares.gram import Gram, Solution
 from pyport.noise.coefficients import tempered
@@ -54,7 +53,8 @@ def folds(problem: Problem, weighed: WhitenedData, chosen: Sequence[Chosen]) -> 
     scans, or blocks of time within the sessions, or single pointings where
     there is neither time nor order. Where sessions depart from each other, blocks of each are
     predicted from its others; but a change among them must do better than the
-    model alone, for any change could be called departures.
+    model alone, for any change could be called departures. What is over by itself is predicted from
+    the pointings around.
     """
     sessions = problem.session
     choices = (*problem.base, *chosen)
@@ -71,7 +71,7 @@ def folds(problem: Problem, weighed: WhitenedData, chosen: Sequence[Chosen]) -> 
     rng = np.random.default_rng(problem.seed)
     at = problem.recordings.at
     time = clock(at)[problem.stack.row]
-    if any(_passes(one.candidate.effect) for one in choices):
+    if chosen and all(one.candidate.effect.is_over for one in chosen):
         return Folds(
             "leave pointings out, ten folds", _dealt(problem.pointing, rng), departing=True
         )
@@ -93,11 +93,6 @@ def folds(problem: Problem, weighed: WhitenedData, chosen: Sequence[Chosen]) -> 
     if departing:
         scheme += ", what a session departs by predicted from its others"
     return Folds(scheme, fold, departing)
-
-
-def _passes(effect: Effect) -> bool:
-    """Tell whether an effect is known from its own stretch of time alone, as what comes back is."""
-    return effect.changes_with == "stretch" or bool(np.isfinite(steps_back(effect)))
 
 
 def _dealt(groups: Codes, rng: np.random.Generator) -> Codes:

@@ -105,6 +105,8 @@ class Effect:
         The offset across and along elevation as text, for a reader.
     parameter
         The nonlinear parameter of a member, in internal units: k, seconds, radians.
+    until
+        For what was displaced for a while: when it came back, in the unit of its `parameter`.
     edge
         For a step across a curve in the sky: azimuth -> the curve's elevation [rad].
     driver
@@ -170,6 +172,7 @@ class Effect:
     needs: tuple[str, ...] = ()
     formula: tuple[str, str] = ("", "")
     parameter: float | None = None
+    until: float = np.inf
     edge: Callable[[Array], Array] | None = None
     driver: str | None = None
     changes_with: str = ""
@@ -198,6 +201,16 @@ class Effect:
     def is_change(self) -> bool:
         """Tell whether it is a change from one state of the telescope to another."""
         return self.changes_with in ("session", "order")
+
+    @property
+    def came_back(self) -> bool:
+        """Tell whether it displaced something for a while."""
+        return self.until < np.inf
+
+    @property
+    def is_over(self) -> bool:
+        """Tell whether it is known from its own stretch of time alone, not what it is after."""
+        return self.came_back or self.changes_with == "stretch"
 
     @property
     def begins_anew(self) -> bool:

@@ -13,7 +13,6 @@ from pyport import __version__, angles
 from pyport.angles import ARCSEC, Array
 from pyport.effects.circumstances import utc
 from pyport.effects.empirical.drivers import unit_in_words
-from pyport.effects.empirical.epochs import steps_back
 from pyport.effects.empirical.fields import UNKNOWN
 from pyport.errors import BadInput
 from pyport.files import sha256
@@ -205,8 +204,8 @@ def lines(completed: Completed, terms: Sequence[Term] = ()) -> list[str]:
         return []
     fields = {one.finding for one in completed.values if one.effect == UNKNOWN}
     timed = {one.finding for one in terms if "time_utc" in one.effect.needs} & fields
-    past = {one.finding: PAST for one in terms if one.effect.changes_with == "stretch"}
-    past |= {one.finding: OVER for one in terms if np.isfinite(steps_back(one.effect))}
+    past = {one.finding: PAST for one in terms if one.effect.is_over}
+    past |= {one.finding: OVER for one in terms if one.effect.came_back}
     past.pop(None, None)
     values = [one for one in completed.values if one.effect != UNKNOWN and one.finding not in past]
     open_ = [label(one) for one in values if not one.determined]

@@ -7,7 +7,6 @@ import pytest
 from samples import sample
 
 import pyport
-from pyport.effects.empirical.epochs import steps_back
 from pyport.page import of_diagnosis, of_fit
 
 FILES = (
@@ -59,7 +58,7 @@ def test_a_diagnosis_refits_what_a_fit_fits(name, tmp_path):
         for row in term["coefficients"]
     ]
     named = {one.name: one for one in found.model.values if one.effect != "unknown"}
-    back = {one.finding for one in found.model.model.terms if np.isfinite(steps_back(one.effect))}
+    back = {one.finding for one in found.model.model.terms if one.effect.came_back}
     lasting = {key: one for key, one in named.items() if one.finding not in back - {None}}
     rows = {one.name: one.value for one in of_diagnosis(found.result)[1].rows}
     found.model.save(tmp_path / "x.toml")

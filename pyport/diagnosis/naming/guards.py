@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from pyport.angles import ARCSEC, Array
 from pyport.diagnosis.case import Problem, measurements
 from pyport.diagnosis.naming.scene import Scene
+from pyport.diagnosis.searching.instead import lasting_instead
 from pyport.effects.base import THE_HOUR, Effect
 from pyport.effects.circumstances import DAY_S, NIGHT_GAP_S, nights_of
 from pyport.least_squares.gram import beyond
@@ -28,6 +29,7 @@ from pyport.thresholds import (
     ENOUGH,
     FEWEST,
     NIGHT_ORDER,
+    NOT_EXCLUDED,
     SAME_STRENGTH,
     SEEN,
     SIGNIFICANT,
@@ -121,6 +123,7 @@ def refusal(
         or _one_session(scene, effect, since)
         or _one_night(scene, effect)
         or _once_only(scene, effect, seen)
+        or _in_a_part_of_the_sky(scene, effect)
     )
 
 
@@ -166,10 +169,10 @@ def carriers(scene: Scene, seen: Array) -> float:
 
 
 def _one_session(scene: Scene, effect: Effect, since: float | None = None) -> Refusal | None:
-    if effect.changes_with != "session":
+    if not effect.is_change:
         return None
     at = scene.problem.recordings.at
-    if "order" in at and "session" not in at:
+    if "order" in at and "session" not in at and not effect.came_back:
         # Nothing tells one session from the next: the step itself does.
         return None
     sessions = len(np.unique(scene.problem.session))
@@ -231,6 +234,20 @@ def _once_only(scene: Scene, effect: Effect, seen: Array) -> Refusal | None:
     return Refusal(
         f"offset of {one} on one night: it did not come back in a second one",
         f"observe the same {label}s in a second night",
+    )
+
+
+def _in_a_part_of_the_sky(scene: Scene, effect: Effect) -> Refusal | None:
+    """Refuse what was displaced for a while where a field that lasts is not excluded."""
+    if not effect.came_back:
+        return None
+    one = next(each for each in scene.outcome.chosen if each.candidate.effect is effect)
+    field = lasting_instead(scene.outcome, one)
+    if field is None or field.evidence < scene.outcome.step_of(one).winner.evidence - NOT_EXCLUDED:
+        return None
+    return Refusal(
+        f"what lasts explains as well what was seen meanwhile ({field.field.variant})",
+        "observe the same part of the sky at another time",
     )
 
 

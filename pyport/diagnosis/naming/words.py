@@ -13,7 +13,6 @@ from pyport.diagnosis.naming.finding import Parameter, Where
 from pyport.effects.base import Effect
 from pyport.effects.circumstances import utc
 from pyport.effects.empirical.drivers import unit_in_words
-from pyport.effects.empirical.epochs import steps_back
 from pyport.effects.mounts import meaning
 from pyport.fitting.two_axes import Difference
 from pyport.mounts import ALTAZ
@@ -25,11 +24,13 @@ if TYPE_CHECKING:
 
 
 _LEFT = "something is left that"
+_PARTED = "look for what parts the circle there: a limit, a cable, an encoder that slipped"
 #: What to do about a misfit without a name, where its form says more than where it is.
 WATCH = {
     "levels": "observe one source by turns with one value and another",
     "cycle": "find what turns once in that angle: a tooth, a worm, a line of the encoder",
-    "sector": "look for what parts the circle there: a limit, a cable, an encoder that slipped",
+    "sector": _PARTED,
+    "stretch": _PARTED,
     "repeat": "find what is switched or comes back so often: a heater, a cooler, a pump, a fan",
 }
 #: Longer lists are cut short in a sentence; the report has them whole.
@@ -43,8 +44,7 @@ def moments(effect: Effect) -> tuple[str | None, str | None]:
     """
     if effect.changes_with != "session" or effect.parameter is None:
         return None, None
-    until = steps_back(effect)
-    return utc(effect.parameter), None if until == np.inf else utc(until)
+    return utc(effect.parameter), utc(effect.until) if effect.came_back else None
 
 
 def nameless(effect: Effect, called: Name, *, few: bool) -> str:

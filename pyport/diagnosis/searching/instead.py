@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import takewhile
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from pyport.angles import Array
 from pyport.diagnosis.case import Chosen
 from pyport.diagnosis.searching.turns import Outcome, Step, family_p_value
 from pyport.diagnosis.searching.winner import predicts, trials_of
-from pyport.diagnosis.shapes.boxes import boxes, sector
+from pyport.diagnosis.shapes.boxes import boxes, sectors
 from pyport.diagnosis.shapes.cycles import cycles
 from pyport.diagnosis.shapes.fields import Ground, Worth, as_candidate
 from pyport.diagnosis.shapes.forms import Field
@@ -38,11 +39,11 @@ def field_instead(outcome: Outcome, turn: int) -> Outcome | None:
     before, names = outcome.steps[:turn], outcome.steps[turn:]
     if not names and outcome.problem.blocks.antennas >= ENOUGH_ANTENNAS:
         return None
-    changes = tuple(one for one in names if one.chosen.candidate.effect.changes_with)
+    changes = tuple(one for one in names if _stays_changed(one))
     if not changes:
         ways = [(before, names, (False, True) if names else (False,))]
     else:
-        lasting = tuple(one for one in names if not one.chosen.candidate.effect.changes_with)
+        lasting = tuple(one for one in names if not _stays_changed(one))
         ways = [(before, names, (True,))]
         ways += [((*before, *changes), lasting, (False,))] if lasting else []
     found = [(*one, way[0]) for way in ways if (one := _best_in_place(outcome, *way)) is not None]
@@ -50,6 +51,15 @@ def field_instead(outcome: Outcome, turn: int) -> Outcome | None:
     if best is None or more <= 0 or best.directions.shape[1] == 0:
         return None
     return _with_field(outcome, kept, best)
+
+
+def _stays_changed(step: Step) -> bool:
+    """Tell whether a turn chose a change with time that was not over while it went on.
+
+    What was displaced for a while was seen in some part of the sky, and a field may draw it.
+    """
+    effect = step.chosen.candidate.effect
+    return effect.changes_with != "" and not effect.came_back
 
 
 def _best_in_place(
@@ -64,11 +74,7 @@ def _best_in_place(
     whole = len(kept) == len(outcome.steps)
     weighed = outcome.weighed if whole else weigh_model(problem, chosen)
     ground = Ground(problem, weighed, chosen)
-    worths = list(ground.worths(of_time))
-    if False in of_time:
-        worths += map(ground.worth_of, boxes(problem, weighed, chosen))
-        worths += map(ground.worth_of, sector(ground))
-        worths += map(ground.worth_of, cycles(problem, weighed, chosen))
+    best = _best(ground, of_time)
     strongest = max((step.winner.gain for step in kept), default=0.0)
     if names:
         together = ground.gain(problem.expanded([step.chosen for step in names]))
@@ -76,10 +82,27 @@ def _best_in_place(
         least += _evidence(together, names)
     else:
         least = max(CONVINCING, IMPERFECTION * strongest, -2 * float(np.log(FAMILY_ERROR)))
-    best = max(worths, key=_standing, default=None)
     if best is None:
         return None
     return (_standing(best) if names else best.evidence) - least, best
+
+
+def _best(ground: Ground, of_time: Sequence[bool]) -> Worth | None:
+    """Return the field that stands highest of those that last, and of those in time."""
+    problem, weighed, chosen = ground.problem, ground.weighed, ground.chosen
+    worths = list(ground.worths(of_time))
+    if False in of_time:
+        worths += map(ground.worth_of, boxes(problem, weighed, chosen))
+        worths += map(ground.worth_of, sectors(ground))
+        worths += map(ground.worth_of, cycles(problem, weighed, chosen))
+    return max(worths, key=_standing, default=None)
+
+
+def lasting_instead(outcome: Outcome, one: Chosen) -> Worth | None:
+    """Return the best field that lasts, beside what was found before a choice."""
+    before = tuple(takewhile(lambda each: each is not one, outcome.chosen))
+    weighed = weigh_model(outcome.problem, before)
+    return _best(Ground(outcome.problem, weighed, before), (False,))
 
 
 def _standing(worth: Worth) -> float:

@@ -14,7 +14,7 @@ from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.shapes.edges import edges_of
 from pyport.diagnosis.weighing import View, WhitenedData, left_beside, plain_view
 from pyport.effects import Effect, catalogue
-from pyport.effects.empirical.epochs import epoch_step, steps_back
+from pyport.effects.empirical.epochs import epoch_step
 from pyport.noise.covariance import Covariance
 from pyport.recordings.sky import clock
 from pyport.runs.stages import stage
@@ -128,8 +128,7 @@ def _steps(problem: Problem, view: View, effect: Effect) -> list[tuple[Effect, f
     """
     at = problem.recordings.at
     # With every row after the step its columns are those of the effect everywhere.
-    whole = catalogue(at.mount)[effect.id]
-    always = epoch_step(-1e15, whole, of_order=True)
+    always = epoch_step(-1e15, catalogue(at.mount)[effect.id], of_order=True)
     columns = problem.stack.columns(always, at)[view.rows] * view.root[:, None]
     time = clock(at)[problem.stack.row][view.rows]
     order = np.argsort(time, kind="stable")
@@ -144,12 +143,23 @@ def _steps(problem: Problem, view: View, effect: Effect) -> list[tuple[Effect, f
     # A zero that is moved may come back; a part of the mount that changed stays as it is.
     back = [] if effect.change_of else [_back(shown, there, n, session) for n in starts]
     pairs = [*((n, end) for n in starts), *sorted(set(filter(None, back)))]
-    between = lambda n: float(time[n - 1] + time[n]) / 2 if n < end else np.inf  # noqa: E731
-    of_order, price = effect.changes_with == "order", float(np.log(max(end, 3)))
+    # A moment is one more number; that to step back at is chosen among all readings.
+    price = float(np.log(max(end, 3)))
     return [
-        (epoch_step(between(n), whole, between(m), of_order=of_order), price * (1 + (m < end)))
+        (_moved(problem, effect, _midway(time, n), _midway(time, m)), price * (1 + 2 * (m < end)))
         for n, m in pairs
     ]
+
+
+def _midway(time: Array, n: int) -> float:
+    """Return the moment between a recording and the one before it; behind the last it is never."""
+    return float(time[n - 1] + time[n]) / 2 if n < len(time) else np.inf
+
+
+def _moved(problem: Problem, effect: Effect, since: float, until: float) -> Effect:
+    """Return the step of an effect at other moments."""
+    whole = catalogue(problem.recordings.at.mount)[effect.id]
+    return epoch_step(since, whole, until, of_order=effect.changes_with == "order")
 
 
 def _back(shown: _Shown, there: Rows, first: int, session: Codes) -> tuple[int, int] | None:
@@ -177,16 +187,13 @@ def began_between(
     by less than `SIGNIFICANT` sigma, are as likely to be the one.
     """
     effect, at = one.candidate.effect, problem.recordings.at
-    whole, until = catalogue(at.mount)[effect.id], steps_back(effect)
     time = np.unique(clock(at)[problem.stack.row])
     time = time[np.isfinite(time)]
     now = int(np.searchsorted(time, effect.parameter or 0.0))
     near = np.arange(max(1, now - STRETCHES), min(len(time), now + STRETCHES + 1))
-    near = near[time[near] < until]
-    of_order, which = effect.changes_with == "order", list(one.candidate.coefficients)
-    steps = [
-        epoch_step(float(time[n - 1] + time[n]) / 2, whole, until, of_order=of_order) for n in near
-    ]
+    near = near[time[near] < effect.until]
+    which = list(one.candidate.coefficients)
+    steps = [_moved(problem, effect, _midway(time, n), effect.until) for n in near.tolist()]
     columns = [problem.stack.columns(step, at)[:, which] for step in steps]
     gains = np.array(_gains(problem, covariance, others, columns))
     likely = near[gains >= gains[near == now] - SIGNIFICANT**2]
@@ -203,16 +210,14 @@ def past_outliers(
     effect = one.candidate.effect
     if effect.parameter is None or not effect.is_change or one.scope != "all":
         return problem, []
-    at, moved = problem.recordings.at, []
-    time = clock(at)[problem.stack.row]
+    moved: list[Chosen] = []
+    time = clock(problem.recordings.at)[problem.stack.row]
     moments = np.unique(time)
-    sound = ~np.isin(moments, time[~weighed.used])
+    sound = np.flatnonzero(~np.isin(moments, time[~weighed.used]))
     now = int(np.searchsorted(moments, effect.parameter))
-    before, behind = np.flatnonzero(sound[:now]) + 1, np.flatnonzero(sound[now:]) + now
-    for n in {*before[-1:], *behind[:1]} - {now}:
-        since, of_order = float(moments[n - 1] + moments[n]) / 2, effect.changes_with == "order"
-        whole = catalogue(at.mount)[effect.id]
-        step = epoch_step(since, whole, steps_back(effect), of_order=of_order)
+    before, behind = sound[sound < now] + 1, sound[sound >= now]
+    for n in {*before[-1:].tolist(), *behind[:1].tolist()} - {now}:
+        step = _moved(problem, effect, _midway(moments, n), effect.until)
         problem, other = problem.with_member(one, step)
         moved.append(other)
     return problem, moved

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from itertools import product
 
 import numpy as np
 
@@ -71,48 +70,72 @@ def boxes(problem: Problem, weighed: WhitenedData, chosen: tuple[Chosen, ...]) -
     return found
 
 
-def sector(ground: Ground) -> Iterator[Field]:
-    """Yield the stretch of the first axis in which its angle is off, at any height.
+def sectors(ground: Ground) -> Iterator[Field]:
+    """Yield the stretch of each axis in which its angle is off, wherever the other one stands.
 
-    An encoder that slipped, a cable or a limit switch part a circle in two. On the sky that falls
-    as the cosine of the second angle. Half a circle is much like what a model has, so that edges
-    are looked for beside that.
+    An encoder that slipped or lost a bit, a cable or a limit switch part a circle in two. What the
+    first angle is off by falls on the sky as the cosine of the second.
+    """
+    is_y, at = ground.problem.stack.is_y, ground.problem.recordings.at
+    first, second = (f"{axis.column}_deg" for axis in (at.mount.first, at.mount.second))
+    around = np.arange(AROUND + WIDEST) * 2 * np.pi / AROUND
+    upward = np.unique(np.quantile(at.axes.el, np.linspace(0, 1, UPWARD + 1)))
+    if np.count_nonzero(~is_y) >= 4 * FEWEST:
+        yield _sector(ground, "xel", first, around, _of_first)
+    if np.count_nonzero(is_y) >= 4 * FEWEST and len(upward) > UPWARD // 2:
+        yield _sector(ground, "el", second, upward, _of_second)
+
+
+def _of_first(low: float, high: float) -> Bumps:
+    return {"kind": "sector", "az_rad": [low, high], "in_axes": True}
+
+
+def _of_second(low: float, high: float) -> Bumps:
+    bumps = {"kind": "stretch", "name": "el_deg", "low_rad": low, "high_rad": high}
+    return bumps | {"in_axes": True}
+
+
+def _sector(
+    ground: Ground, axis: str, name: str, cuts: Array, bumps_of: Callable[[float, float], Bumps]
+) -> Field:
+    """Return the stretch of one axis in which its angle is off, from one of some cuts to another.
+
+    A stretch is much like what a model has, so that edges are looked for beside that.
     """
     problem = ground.problem
-    at, is_y, mount = problem.recordings.at, problem.stack.is_y, problem.recordings.at.mount
-    if np.count_nonzero(~is_y) < 4 * FEWEST:
-        return
-
-    def bumps_of(edges: Edges) -> Bumps:
-        return {"kind": "sector", "az_rad": [float(one) for one in edges], "in_axes": True}
+    own = problem.stack.is_y == (axis == "el")
 
     def column(edges: Edges) -> Array:
-        return fields.values(bumps_of(edges), at)[problem.stack.row] * ~is_y[:, None]
+        values = fields.values(bumps_of(float(edges[0]), float(edges[1])), problem.recordings.at)
+        return values[problem.stack.row] * own[:, None]
 
-    cell = 2 * np.pi / AROUND
-    each = [column(np.array([n, n + 1]) * cell) for n in range(AROUND)]
+    cells = len(cuts) - 1
+    each = [column(cuts[n : n + 2]) for n in range(cells)]
     information, _, moments = ground.products(np.hstack(each))
 
-    def gain(cells: tuple[int, int]) -> float:
-        some = np.arange(cells[0], cells[0] + cells[1]) % AROUND
-        power = information[np.ix_(some, some)].sum()
-        return float(moments[some].sum() ** 2 / power) if power > 0 else 0.0
+    def gain(low: int, up: int) -> float:
+        power = information[low:up, low:up].sum()
+        return float(moments[low:up].sum() ** 2 / power) if power > 0 else 0.0
 
-    tried = [*product(range(AROUND), range(1, WIDEST + 1))]
-    first, width = max(tried, key=gain)
-    start = np.array([first * cell, (first + width) * cell])
-    edges = _widest(lambda one: ground.gain(column(one)), start)
-    name = f"{mount.first.column}_deg"
-    low, high = (float(edge) / DEG % 360 for edge in edges)
-    yield Field(
+    tried = [
+        (low, up)
+        for low in range(min(AROUND, cells))
+        for up in range(low + 1, min(low + WIDEST, cells) + 1)
+        if up - low < cells
+    ]
+    best = max(tried, key=lambda ends: gain(*ends))
+    edges = _widest(lambda one: ground.gain(column(one)), cuts[list(best)])
+    turn = 360.0 if axis == "xel" else np.inf
+    low, high = (float(edge / DEG % turn) for edge in edges)
+    return Field(
         "an offset of an angle",
-        f"xel: {name} off from {low:.1f} to {high:.1f}",
+        f"{axis}: {name} off from {low:.1f} to {high:.1f}",
         column(edges),
-        is_y,
+        problem.stack.is_y,
         len(tried),
         region=(Interval(name, low, high),),
-        bumps=bumps_of(edges),
-        axes=(0,),
+        bumps=bumps_of(float(edges[0]), float(edges[1])),
+        axes=(int(axis == "el"),),
         which=(0,),
     )
 

@@ -81,7 +81,7 @@ class Ground:
     def __init__(self, problem: Problem, weighed: WhitenedData, chosen: tuple[Chosen, ...]):
         model = problem.expanded((*problem.base, *chosen), of=weighed.white)
         self.basis = spanned(model[:, model.any(axis=0)])[0]
-        self.problem, self.weighed = problem, weighed
+        self.problem, self.weighed, self.chosen = problem, weighed, chosen
         self.left = self._without(weighed.white[:, -1:])[:, 0]
         is_y = np.resize(problem.stack.is_y, len(self.left))
         there = np.any(self.basis != 0, axis=1) | (self.left != 0)

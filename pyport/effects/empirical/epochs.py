@@ -91,7 +91,7 @@ def epoch_step(
     `since` is in seconds UTC since 1970, or a number of rows in the file's order; so is `until`,
     when it steps back.
     """
-    back = np.isfinite(until)
+    back = until < np.inf
     if of_order:
         when = (
             f"rows {int(since) + 2} to {int(until) + 1}" if back else f"since row {int(since) + 2}"
@@ -107,12 +107,8 @@ def epoch_step(
     member = {f"since_{unit}": since} | ({f"until_{unit}": until} if back else {})
     variant = f"step and back, {when}" if back else f"step, {when}"
     step = _within(effect or _OFFSET, inside, [when], variant, member)
-    return replace(step, parameter=since, changes_with="order" if of_order else "session")
-
-
-def steps_back(step: Effect) -> float:
-    """Return when a step steps back, as it was given to `epoch_step`; infinite if it stays."""
-    return float(step.member.get("until_s", step.member.get("until_row", np.inf)))
+    changes_with = "order" if of_order else "session"
+    return replace(step, parameter=since, until=until, changes_with=changes_with)
 
 
 def _steps(effect: Effect, at: Circumstances, moments: Array) -> tuple[Effect, ...]:

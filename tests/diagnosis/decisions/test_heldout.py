@@ -105,13 +105,20 @@ def test_without_times_pointings_are_dealt_to_ten_folds(rows):
     assert np.bincount(found.fold).tolist() == [max(1, rows // 10)] * min(10, rows)
 
 
-@pytest.mark.parametrize(("until", "scheme"), [(np.inf, "blocks of time"), (2e9, "pointings")])
-def test_what_came_back_is_held_to_pointings(until, scheme):
-    """A block of time may hold all of it, and nothing beside it tells its size."""
+@pytest.mark.parametrize(
+    ("until", "beside", "scheme"),
+    [
+        (np.inf, (), "blocks of time"),
+        (2e9, (), "pointings"),
+        (2e9, (chosen(),), "blocks of time"),
+    ],
+)
+def test_what_came_back_is_held_to_pointings(until, beside, scheme):
+    """By itself: a block of time may hold all of it, and nothing beside it tells its size."""
     back = chosen("epoch_offset")
     effect = epoch_step(1e9, until=until)
     back = replace(back, candidate=replace(back.candidate, effect=effect))
-    found = holdout.folds(problem(rows=100, sessions=2), weighed(), (back,))
+    found = holdout.folds(problem(rows=100, sessions=2), weighed(), (back, *beside))
 
     assert found.scheme.startswith(f"leave {scheme} out")
 

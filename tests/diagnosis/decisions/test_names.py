@@ -15,6 +15,7 @@ from pyport.diagnosis.naming.finding import Evidence, Finding, Stability, Where
 from pyport.diagnosis.naming.verdict import judged
 from pyport.effects import CATALOGUE, Coefficient
 from pyport.effects.empirical import driven, drivers
+from pyport.effects.empirical.epochs import epoch_step
 from pyport.effects.telescope import encoders
 
 
@@ -604,3 +605,21 @@ def test_what_belongs_to_a_source_must_come_back_with_it(size, refused):
     effect = next(one for one in CATALOGUE.values() if one.belongs_to)
 
     assert (guards._once_only(scene, effect, seen) is not None) == refused
+
+
+@pytest.mark.parametrize(("field", "refused"), [(45.0, True), (40.0, False), (60.0, True)])
+def test_what_came_back_has_no_name_where_a_field_that_lasts_does_as_well(
+    monkeypatch, field, refused
+):
+    """Within eight of its fifty."""
+    effect = epoch_step(1e9, CATALOGUE["epoch_offset"], 2e9)
+    turn = step(trial(evidence=50.0, of=replace(candidate("epoch_offset"), effect=effect)))
+    scene = SimpleNamespace(
+        outcome=SimpleNamespace(chosen=(turn.chosen,), step_of=lambda _: turn),
+    )
+    best = SimpleNamespace(evidence=field, field=SimpleNamespace(variant="a box"))
+    monkeypatch.setattr(guards, "lasting_instead", lambda *_: best)
+    found = guards._in_a_part_of_the_sky(scene, effect)
+
+    assert (found is not None) == refused
+    assert not refused or "a box" in found.reason

@@ -29,7 +29,9 @@ from pyport.diagnosis.searching.confirmed_changes import Changes
 from pyport.diagnosis.searching.contenders import Contender
 from pyport.diagnosis.searching.turns import Outcome, Step, family_p_value, gain_needed
 from pyport.diagnosis.trial import at_best
+from pyport.effects import CATALOGUE
 from pyport.effects.circumstances import Circumstances
+from pyport.effects.empirical.epochs import epoch_step
 from pyport.noise.covariance import Covariance
 from pyport.noise.estimation.frame import Frame
 from pyport.noise.series import Departures, Noise
@@ -826,11 +828,12 @@ def left(monkeypatch, worths, now, turn=0, together=0.0, gain=0.0):
     def every(of_time):
         return [one for one in worths if one.field.of_time in of_time]
 
-    ground = SimpleNamespace(worths=every, worth_of=lambda one: one, gain=lambda _: gain)
+    case = {"problem": None, "weighed": None, "chosen": ()}
+    ground = SimpleNamespace(worths=every, worth_of=lambda one: one, gain=lambda _: gain, **case)
     monkeypatch.setattr(instead, "Ground", lambda *_: ground)
     monkeypatch.setattr(instead, "boxes", lambda *_: [])
     monkeypatch.setattr(instead, "cycles", lambda *_: [])
-    monkeypatch.setattr(instead, "sector", lambda _: [])
+    monkeypatch.setattr(instead, "sectors", lambda _: [])
     monkeypatch.setattr(instead, "weigh_model", lambda *_: None)
     monkeypatch.setattr(instead, "_evidence", lambda *_: together)
     monkeypatch.setattr(instead, "_with_field", lambda _, kept, __: kept)
@@ -915,6 +918,15 @@ def test_a_field_that_lasts_does_not_stand_in_place_of_a_change(monkeypatch):
     now = outcome(step(trial("epoch_tilt")))
 
     assert not taken(monkeypatch, [field(90.0)], now)
+
+
+@pytest.mark.parametrize(("until", "kept"), [(np.inf, None), (2e9, [])])
+def test_a_field_that_lasts_may_stand_in_place_of_what_came_back(monkeypatch, until, kept):
+    """That was seen in some part of the sky, and may be what is wrong there."""
+    effect = epoch_step(1e9, CATALOGUE["epoch_offset"], until)
+    now = outcome(step(trial(of=replace(candidate("epoch_offset"), effect=effect))))
+
+    assert left(monkeypatch, [field(90.0)], now) == kept
 
 
 @pytest.mark.parametrize(
