@@ -133,18 +133,19 @@ def test_a_structure_that_rests_slowly_after_slews_is_told_from_a_drift():
 
 @pytest.mark.slow
 def test_a_notch_in_the_second_axis_lies_along_its_angle():
-    """Of an XY mount: in azimuth and elevation it would be a bow."""
+    """Of an XY mount: in azimuth and elevation it would be a bow. Two stretches draw its slopes."""
     made = recordings(600, 11)
     at = replace(made.at, mount=KINDS["xy-ns"])
     x, y = 3 * ARCSEC * np.random.default_rng(11).normal(size=(2, 600))
     off = np.abs(np.degrees(at.axes.el) - 20)
     notched = replace(made, at=at, x=x, y=y + 20 * ARCSEC * np.clip(1 - off / 8, 0, None))
     found = diagnose(notched, load("altaz").on(at.mount))
-    stretches = [one.where.region[0] for one in found.findings]
-    middles = [(one.low + one.high) / 2 for one in stretches]
+    first, second = (one.where.region[0] for one in found.findings)
 
-    assert {one.column for one in stretches} == {"y_deg"}
-    assert middles == pytest.approx([20] * len(middles), abs=2)
+    assert [one.variant[:14] for one in found.findings] == ["el: y_deg off "] * 2
+    assert (first.column, second.column) == ("y_deg", "y_deg")
+    assert (first.low, first.high) == pytest.approx((14, 25), abs=1)
+    assert (second.low, second.high) == pytest.approx((17, 27), abs=1)
 
 
 @pytest.mark.slow

@@ -199,6 +199,15 @@ def test_only_zeros_come_back_and_in_the_same_session():
     np.testing.assert_array_equal(began > 0.5, ended > 0.6)
 
 
+@pytest.mark.parametrize("start", [25, 30, 36])
+def test_both_moments_of_what_came_back_are_moved(start):
+    """Beside the best step back the first moment is chosen anew."""
+    left = 5.0 * ((np.arange(80) >= 30) & (np.arange(80) < 50))
+    shown = refining._Shown.of(np.ones((80, 1)), np.zeros((80, 1)), left)
+
+    assert refining._back(shown, np.arange(8, 73), start, np.zeros(80, int)) == (30, 50)
+
+
 @cache
 def found_with_drifts():
     """Return the scene of a step, its place among the choices, and its turn."""

@@ -158,6 +158,17 @@ def test_every_command_counts_and_lists_what_is_excluded(masked, monkeypatch, co
     }
 
 
+def test_a_diagnosis_says_which_lines_are_excluded_and_why(masked):
+    """Lines of one reason together; of many the first eight."""
+    few = CliRunner().invoke(pyport, ["diagnose", str(masked)]).stdout
+    run(masked, "--lines", "10-20", "--reason", "rain")
+    many = " ".join(CliRunner().invoke(pyport, ["diagnose", str(masked)]).stdout.split())
+
+    assert "Excluded, lines 4, 5: masked: clouds" in few
+    assert "Excluded, line 64: no azimuth or no elevation." in few
+    assert "Excluded, lines 10, 11, 12, 13, 14, 15, 16, 17 and 3 more: masked: rain" in many
+
+
 def test_targets_count_what_is_excluded_beside_the_list(masked):
     """The list stays what other programs read; the count goes to standard error."""
     asked = ["targets", str(masked), "--start", "2026-03-01T18:00:00Z", "--hours", "3"]
