@@ -2,8 +2,8 @@
 
 `make mutants-diagnosis`. Every threshold is doubled and halved; mutants.toml has the others: a
 text that stands once in a file, what it becomes, and the tests that must fail. All tests are
-collected once; each mutant is a process of its own, parted from there, in which the code of one
-module is changed and those tests run up to the first failure. Survivors must be explained.
+collected once; each mutant is a forked process, in which the code of one module is changed and
+those tests run up to the first failure. Survivors must be explained.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ class Mutant:
 def thresholds() -> Iterator[Mutant]:
     """Yield every threshold doubled and halved."""
     text = (ROOT / "pyport" / "thresholds.py").read_text(encoding="utf-8")
-    told = tomllib.loads(LIST.read_text(encoding="utf-8"))
+    notes = tomllib.loads(LIST.read_text(encoding="utf-8"))
     for node in ast.parse(text).body:
         if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
             name, value = node.targets[0].id, ast.unparse(node.value)
@@ -77,9 +77,9 @@ def thresholds() -> Iterator[Mutant]:
             half = f"{value} // 2" if re.fullmatch(r"\d+", value) else f"({value}) / 2"
             for became in (f"2 * ({value})", half):
                 label = f"{name} = {became}"
-                reason = told["reasons"].get(label, "")
+                reason = notes["reasons"].get(label, "")
                 changed = "thresholds.py", was, label
-                yield Mutant("thresholds", *changed, (DECISIONS,), reason, told["first"][name])
+                yield Mutant("thresholds", *changed, (DECISIONS,), reason, notes["first"][name])
 
 
 def listed() -> Iterator[Mutant]:
@@ -150,7 +150,7 @@ class Loop:
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_runtestloop(self, session: pytest.Session) -> bool:
-        """Part a process for every mutant; one whose tests do not end in time is killed by them."""
+        """Fork a process for every mutant; one whose tests do not end in time is killed by them."""
         waiting, running = self.mutants[::-1], {}
         while waiting or running:
             while waiting and len(running) < self.jobs:

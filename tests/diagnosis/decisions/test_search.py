@@ -1072,9 +1072,10 @@ def test_what_would_have_to_be_ten_degrees_cannot_be_seen(monkeypatch, size_deg,
 
 def test_what_rounding_alone_sees_has_no_limit():
     """Nor has the part of a single antenna."""
-    blind, own = trial("skew", sigma=1e101), trial("tilt", scope="antenna")
+    blind, own = trial("skew", sigma=np.inf), trial("tilt", sigma=ARCSEC, scope="antenna")
     problem = problem_with(picked=lambda _: np.ones((10, 1)), candidates=())
-    found = diagnose._limits(problem, SimpleNamespace(last=(trial(sigma=ARCSEC), blind, own)))
+    with np.errstate(divide="raise"):
+        found = diagnose._limits(problem, SimpleNamespace(last=(trial(sigma=ARCSEC), blind, own)))
 
     assert list(found) == ["refraction"]
 
