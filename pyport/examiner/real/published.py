@@ -147,10 +147,11 @@ def texts(value: Any) -> Iterator[str]:  # noqa: ANN401 - whatever JSON holds
 
 
 def _says(_: Recordings, report: Report, fit: Report, fact: Fact) -> Outcome:
-    """Look for words in some parts of the report, or in the warnings of the fit."""
+    """Look for whole words in some parts of the report, or in the warnings of the fit."""
+    whole = re.compile(rf"(?<![\w-])({fact['words']})", re.IGNORECASE)
     places = [*(report.get(key) for key in fact["under"]), fit.get("warnings")]
     for one in texts(places):
-        if re.search(fact["words"], one, re.IGNORECASE):
+        if whole.search(one):
             return one, True
     return "not said", False
 
