@@ -120,7 +120,7 @@ def fit(
     if in_use:
         recordings = given.added_to(recordings)
     chosen = edited(
-        given,
+        given.on(recordings.at.mount),
         fix=fixed,
         add=texts("add", add),
         drop=texts("drop", drop),
@@ -190,7 +190,7 @@ def _between(elevations: Sequence[float]) -> tuple[float, float]:
     return low, high
 
 
-def load_model(model: str | Path | Model) -> PointingModel:
+def load_model(model: str | Path | Model, mount: str = "") -> PointingModel:
     """Return a pointing model with coefficients, ready to be asked for offsets.
 
     Parameters
@@ -198,12 +198,20 @@ def load_model(model: str | Path | Model) -> PointingModel:
     model
         A file: what `--save` or `save` wrote, TPOINT's .mod, the Field System's .ctl,
         katpoint's, SKA-Mid's .json, DISCOS's .xml; a built-in model of the RT32; a model.
+    mount
+        What a file does not say of its mount: "xy-ns", "equatorial", ...; a Field System model
+        whose phi is not 90 deg needs it.
 
     Raises
     ------
     BadInput
-        There is no such model, or it has no coefficients.
+        There is no such model, it has no coefficients, or is of another mount.
     """
     from pyport.correction.use import PointingModel, model_of
+    from pyport.formats.leaning import leans, stated
+    from pyport.mounts import ALTAZ
 
-    return PointingModel(model_of(model))
+    known, kind = model_of(model), stated({"mount": mount})
+    if kind is not ALTAZ:
+        return PointingModel(known.on(kind))
+    return PointingModel(known, leaning=isinstance(model, str | Path) and leans(model))

@@ -139,6 +139,7 @@ def _words(done: Applied) -> list[str]:
     metavar="ARCSEC",
 )
 @option("--picture", "Draw the differences over the sky: .png, .svg or .pdf.", type=FILE)
+@flag("--in-use", "OLD was correcting the telescope when RECORDINGS were made.")
 @flag("--accept", "Accept terms without significance that move the horizon or the zenith.")
 @about_file
 @in_json
@@ -150,6 +151,7 @@ def compare(
     picture: Path | None,
     given: FileOptions,
     *,
+    in_use: bool,
     accept: bool,
     as_json: bool,
 ) -> None:
@@ -166,6 +168,7 @@ def compare(
     from pyport.correction.compared import text
     from pyport.models.conditions import columns_of, refuse_slips
     from pyport.models.conditions import known as is_condition
+    from pyport.mounts import ALTAZ
     from pyport.plots.pictures import FORMATS
     from pyport.recordings import read
     from pyport.recordings.naming import KEYS, site_of
@@ -173,7 +176,12 @@ def compare(
     if picture is not None and picture.suffix[1:] not in FORMATS:
         raise BadInput(f"expected a suffix of {', '.join(FORMATS)}", picture)
     measured = None if recordings is None else read(recordings, given)
-    both = load_model(old), load_model(new)
+    about_mount = given.keys.get("mount", "")
+    if not about_mount and measured is not None and measured.at.mount is not ALTAZ:
+        about_mount = measured.at.mount.id
+    both = load_model(old, about_mount), load_model(new, about_mount)
+    if in_use and measured is not None:
+        measured = both[0].model.added_to(measured)
     needs = {*both[0].needs(), *both[1].needs()} - KEYS
     about = {key: one for key, one in given.keys.items() if is_condition(key) or key in needs}
     refuse_slips(set(given.keys) - set(about) - KEYS, needs)

@@ -12,6 +12,7 @@ from pyport.angles import DEG, Array
 from pyport.effects import Site
 from pyport.errors import BadInput
 from pyport.models.conditions import Columns, columns_of, has_unit, location_of, site_of
+from pyport.mounts import ALTAZ, Mount
 
 
 @dataclass(frozen=True)
@@ -26,6 +27,7 @@ class Pointing:
     columns: Columns
     site: Site | None
     frame: Any = None  #: astropy's, of which the answer is one, too; None for numbers
+    mount: Mount = ALTAZ  #: whose readings they are, where a file says it; else the model's
 
 
 def directions(

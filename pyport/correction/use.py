@@ -46,6 +46,8 @@ class PointingModel:
     """A pointing model with coefficients, ready to be asked."""
 
     model: Model  #: its terms
+    #: Whether its first axis leans and its file does not say of which mount it is.
+    leaning: bool = False
     _ready: dict[tuple[tuple[str, str], ...], Kernel] = field(
         default_factory=dict, compare=False, repr=False
     )
@@ -108,7 +110,7 @@ class PointingModel:
         under the names that recordings have inside the program (`time` in seconds since 1970,
         `temperature_c`, ...).
         """
-        if self.model.mount is not ALTAZ:
+        if self.model.mount is not ALTAZ or self.leaning:
             arrays = {key: np.array([one]) for key, one in columns.items()}
             x, y = self._on_sky(np.array([az_rad]), np.array([el_rad]), arrays, self.model.site)
             return float(x[0]), float(y[0])
@@ -127,8 +129,7 @@ class PointingModel:
         elevation as Quantities, or an `AltAz`.
         """
         there = directions(where, conditions, self.model.site, self._others)
-        x, y = self._offsets(there.az, there.el, there.columns, there.site)
-        return formed(there, *self._moved(there.az, there.el, x, y, there.site))
+        return formed(there, *self._moved(there))
 
     def inverse(self, *where: Any, **conditions: Any) -> Any:  # noqa: ANN401 - as it is given
         """Return the true direction that a mount points at, from its readings.
@@ -149,13 +150,15 @@ class PointingModel:
         if there.mount is ALTAZ:
             return self._on_sky(there.az, there.el, dict(there.columns), site)
         self.model.on(there.mount)  # a model of another mount is refused
-        # a model's file may say less of its mount than what was recorded with it: on which side
         return self._offsets(there.az, there.el, dict(there.columns), site, there.mount)
 
     def inverse_at(self, there: Circumstances) -> tuple[Array, Array]:
         """Return the true azimuths and elevations of n mount readings [rad], shape (n,)."""
-        site = there.site or self.model.site
-        return self._solved(Pointing(there.az, there.el, there.az.shape, dict(there.columns), site))
+        self.model.on(there.mount)
+        site, columns = there.site or self.model.site, dict(there.columns)
+        return self._solved(
+            Pointing(there.az, there.el, there.az.shape, columns, site, mount=there.mount)
+        )
 
     def met(self, there: Circumstances, file: Path) -> Circumstances:
         """Return the recordings of a file as the model meets them.
@@ -249,7 +252,7 @@ class PointingModel:
             key: str(one[0]) for key, one in known.items() if len(one) and (one == one[0]).all()
         }
         try:
-            axes = self.model.mount if mount is ALTAZ else mount
+            axes = self._mount(mount)
             plain = axes is ALTAZ and site == self.model.site
             if len(single) < len(known) or not plain:
                 return self.model.offsets(Circumstances(az, el, site, columns, mount=axes))
@@ -282,25 +285,32 @@ class PointingModel:
         """Return columns, beyond the contract's too, that terms of this model follow."""
         return frozenset(self.model.needs())
 
-    def _moved(
-        self, az: Array, el: Array, x: Array, y: Array, site: Site | None
-    ) -> tuple[Array, Array]:
-        """Return directions moved by offsets along the mount's axes [rad]."""
-        mount = self.model.mount
-        if mount is ALTAZ:
-            return az + turned(x, el), el + y
-        latitude = site.latitude if site is not None else 0.0
-        first, second = mount.angles(az, el, latitude)
+    def _mount(self, stated: Mount) -> Mount:
+        """Return the mount that is stated beside directions, or the model's.
+
+        Raises `BadInput`: neither says which way an axis leans.
+        """
+        mount = self.model.mount if stated is ALTAZ else stated
+        if self.leaning and mount is ALTAZ:
+            which = "say of which mount it is: --mount or '# mount:', such as xy-ns or equatorial"
+            raise BadInput(f"the first axis of the model {self.name} leans (phi): {which}")
+        return mount
+
+    def _moved(self, there: Pointing) -> tuple[Array, Array]:
+        """Return where the mount is driven for true directions, as a place on the sky [rad]."""
+        x, y = self._offsets(there.az, there.el, there.columns, there.site, there.mount)
+        mount = self._mount(there.mount)
+        latitude = there.site.latitude if there.site is not None else 0.0
+        first, second = mount.angles(there.az, there.el, latitude)
         return mount.sky(first + turned(x, second), second + y, latitude)
 
     def _solved(self, there: Pointing) -> tuple[Array, Array]:
         """Return the true directions of a mount's readings [rad], by fixed-point iteration."""
         az, el = there.az.copy(), there.el.copy()
         for _ in range(TURNS):
-            x, y = self._offsets(az, el, there.columns, there.site)
-            seen_az, seen_el = self._moved(az, el, x, y, there.site)
+            seen_az, seen_el = self._moved(replace(there, az=az, el=el))
             new_az, new_el = az + (there.az - seen_az), el + (there.el - seen_el)
-            if self.model.mount is not ALTAZ:
+            if self._mount(there.mount) is not ALTAZ:
                 new_az = az + wrap(new_az - az)
             moved = np.hypot((new_az - az) * np.cos(el), new_el - el)
             az, el = new_az, new_el

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from decimal import Decimal
 from pathlib import Path
 
 import numpy as np
@@ -14,14 +15,25 @@ from pyport.files import is_file
 from pyport.formats import models
 from pyport.formats.completed import write_model
 from pyport.formats.field_system import err
-from pyport.formats.model_file import NAMES, WORDS, translated, without_counterpart
+from pyport.formats.leaning import stated
+from pyport.formats.model_file import (
+    MOUNT_OF,
+    NAMES,
+    WORDS,
+    ModelFile,
+    translated,
+    without_counterpart,
+)
 from pyport.formats.models import load as load_model
+from pyport.models.model import Model
 from pyport.models.terms import field_system, tpoint
 from pyport.models.terms.shapes import PRODUCT, Shape
+from pyport.mounts import ALTAZ
 from pyport.recordings.files import read_raw
 from pyport.recordings.formats import registry as tables
 from pyport.recordings.interpret import interpret
 from pyport.recordings.masks import set_aside
+from pyport.recordings.naming import site_of
 from pyport.recordings.raw import NOTHING, FileOptions, Raw
 from pyport.recordings.schema import Table
 from pyport.recordings.where import where
@@ -134,7 +146,7 @@ def convert(
     if rest_as is not None:
         raise BadInput("--rest-as is for a model of pyport's: fit or diagnose --save one", source)
     if _is_model(source, target, given.format, to):
-        return _model(source, target, given.format, to, leave_out=leave_out)
+        return _model(source, target, given, to, leave_out=leave_out)
     path = Path(source)
     if not is_file(path):
         raise BadInput("no such file, expected recordings or a pointing model", path)
@@ -184,13 +196,24 @@ def _is_model(source: str, target: Path, read_as: str, write_as: str) -> bool:
     return False
 
 
-def _model(source: str, target: Path, read_as: str, write_as: str, *, leave_out: bool) -> Done:
-    file = models.read(source, read_as)
+def _model(
+    source: str, target: Path, given: FileOptions, write_as: str, *, leave_out: bool
+) -> Done:
+    file = models.read(source, given.format)
     chosen = models.FORMATS.get(write_as) if write_as else models.BY_SUFFIX.get(target.suffix)
     if chosen is None or chosen.write is None:
         known = ", ".join(models.BY_SUFFIX)
         raise BadInput(f"this is no format of models, expected {known}, or --to", target)
     vocabulary = chosen.vocabulary or file.vocabulary
+    if file.vocabulary.startswith(vocabulary):
+        vocabulary = file.vocabulary  # of another mount, too
+    elif file.vocabulary in MOUNT_OF or file.phi_deg != Decimal(90):
+        if chosen.vocabulary == "field-system" and any(one.name == "TF" for one in file.entries):
+            wrong = "TF is P2 and P8 of one size there: fit the model anew, with --add sag_cosine"
+            raise BadInput(wrong, models.split(source)[0])
+        mounted = replace(_mounted(file, source, given), site=site_of(given.keys))
+        name, number, rest = write_model(mounted, target, to=write_as, leave_out=leave_out)
+        return Done("model", number, name, rest.names, rest.rms_arcsec)
     try:
         done = translated(file, vocabulary, leave_out=leave_out)
     except BadInput as error:
@@ -198,3 +221,16 @@ def _model(source: str, target: Path, read_as: str, write_as: str, *, leave_out:
     chosen.write(done, target)
     lost = tuple(without_counterpart(file, vocabulary))
     return Done("model", sum(one.used for one in done.entries), chosen.name, lost)
+
+
+def _mounted(file: ModelFile, source: str, given: FileOptions) -> Model:
+    """Return a model on the mount that its file, or what is given beside it, says.
+
+    Raises `BadInput`: neither does.
+    """
+    mount = stated(given.keys)
+    if mount is ALTAZ and file.vocabulary not in MOUNT_OF:
+        wrong = f"phi is {file.phi_deg} deg, and no mount is stated"
+        raise BadInput(f"{wrong}: --mount xy-ns, equatorial, ...", models.split(source)[0])
+    model = file.model(models.split(source)[0].stem)
+    return model if mount is ALTAZ else model.on(mount)
