@@ -11,7 +11,17 @@ from typing import TYPE_CHECKING
 
 import click
 
-from pyport.cli.manners import FILE, PATH, about_file, beside_model, flag, in_json, option, say
+from pyport.cli.manners import (
+    FILE,
+    PATH,
+    about_file,
+    beside_model,
+    flag,
+    in_json,
+    option,
+    say,
+    warn,
+)
 from pyport.cli.manners import recordings as named
 from pyport.errors import BadInput
 
@@ -267,6 +277,8 @@ def targets(
     year = EPOCH + (start_s - _J2000_S) / _YEAR_S
     sources = [] if catalogue is None else read_catalogue(catalogue, year)
     found = targets(rows, load(model), limits, count, sources)
+    if len(found) < count:
+        warn(f"{len(found)} of {count} targets: no more are within the limits in the time left")
     text = FORMATS[form](found)
     heading = f"{counted(as_input(rows))}, model {model}"
     click.echo(heading, err=out is None or as_json)

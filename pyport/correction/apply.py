@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pyport.angles import ARCSEC, DEG, Array
+from pyport.angles import ARCSEC, DEG, Array, wrap
 from pyport.columns import LABELS, NUMBERS, SCAN_RATE, SET_ASIDE, TIME, angle_of
 from pyport.correction.compare import rms_of, spoken_axes
 from pyport.correction.use import PointingModel, turned
@@ -104,6 +104,7 @@ def applied(
         (
             *taken_for(model.model.completed, known.columns),
             *(_readings(raw, at.mount) if inverse else ()),
+            *(_unreached(model, known, found) if inverse else _beyond(at.mount, found)),
         ),
     )
 
@@ -168,6 +169,32 @@ def _inverse(model: PointingModel, at: Circumstances) -> dict[str, Array]:
         f"true_{names.first.removeprefix('d_')}_deg": first / DEG,
         f"true_{names.along.removeprefix('d_')}_deg": second / DEG,
     }
+
+
+#: A reading that no direction gives is missed by more than this [rad].
+MISSED = 1e-3 * ARCSEC
+
+
+def _unreached(model: PointingModel, at: Circumstances, found: dict[str, Array]) -> Iterator[str]:
+    """Yield how many readings no direction gives: at the zenith, at the edge of a field."""
+    there = replace(at, az=found["true_az_deg"] * DEG, el=found["true_el_deg"] * DEG)
+    back = _forward(model, there)
+    wanted, names = axes_of(at), names_of(at.mount)
+    driven = [
+        back[f"mount_{name.removeprefix('d_')}_deg"] * DEG for name in (names.first, names.along)
+    ]
+    turn = wrap(driven[0] - wanted[0]) * np.cos(wanted[1])
+    count = int(np.sum(np.hypot(turn, driven[1] - wanted[1]) > MISSED))
+    if count:
+        yield f"{count} rows hold readings that no direction gives: the nearest one is written"
+
+
+def _beyond(mount: Mount, found: dict[str, Array]) -> Iterator[str]:
+    """Yield how many rows drive the second axis beyond its pole."""
+    name = f"mount_{names_of(mount).along.removeprefix('d_')}_deg"
+    count = int(np.sum(np.abs(found[name]) > 90.0))
+    if count:
+        yield f"{count} rows drive the second axis beyond its pole: {name} is more than 90"
 
 
 def _readings(raw: Raw, mount: Mount) -> Iterator[str]:

@@ -316,7 +316,8 @@ class PointingModel:
             az, el = new_az, new_el
             if not np.nanmax(moved, initial=0.0) > SETTLED:
                 break
-        return az, el
+        over = el > np.pi / 2  # past the zenith: the same place from the other side
+        return np.where(over, az + np.pi, az), np.where(over, np.pi - el, el)
 
 
 def model_of(model: str | Path | Model | PointingModel) -> Model:

@@ -38,6 +38,7 @@ class Direction:
     hour_angle_h: float | None
     decides: tuple[str, str] | None
     gain: float
+    time_s: float | None = None  #: when the source is there [s since 1970], None for at any time
 
 
 @dataclass(frozen=True)
@@ -56,11 +57,12 @@ class Promise:
 
 @dataclass(frozen=True)
 class Targets:
-    """Directions that could be observed [rad], and the source at each, "" for none."""
+    """Directions that could be observed [rad], the source at each, "" for none, and when [s]."""
 
     az: Array
     el: Array
     source: tuple[str, ...]
+    time_s: Array | None = None  #: None for at any time
 
 
 def suggest(
@@ -106,7 +108,8 @@ def _direction(
         angle, _ = sky.equator(targets.az[n : n + 1], targets.el[n : n + 1], site.latitude)
         hour_angle = float(angle[0] / HOUR)
     az, el = float(targets.az[n] / DEG) % 360, float(targets.el[n] / DEG)
-    return Direction(az, el, targets.source[n], hour_angle, decides, gain)
+    moment = None if targets.time_s is None else float(targets.time_s[n])
+    return Direction(az, el, targets.source[n], hour_angle, decides, gain, moment)
 
 
 class _Information:

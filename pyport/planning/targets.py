@@ -14,7 +14,7 @@ from pyport.errors import BadInput
 from pyport.models.model import Model
 from pyport.planning.look import busiest, thinned
 from pyport.planning.separate import separate
-from pyport.planning.suggest import Targets, directions, suggest
+from pyport.planning.suggest import Direction, Targets, directions, suggest
 from pyport.recordings.schema import Recordings
 from pyport.runs.workers import one_thread
 
@@ -117,7 +117,8 @@ def targets(
     """Return what to observe next, in its order.
 
     What decides most between effects that the recordings cannot distinguish, or tells most of the
-    model where there are none (`suggest`); from there always the nearest by slewing time.
+    model where there are none (`suggest`); from there always the nearest by slewing time. Sources
+    are observed when they stand where they were chosen for, or soon after.
 
     `catalogue`: sources to choose from; without, directions all over the sky.
     Raises `BadInput`: no site is known, or nothing is above the limits.
@@ -134,9 +135,14 @@ def targets(
     now, found = limits.start_s, []
     az, el = None, None
     while left:
-        nearest = min(left, key=lambda one: _slew_s(limits, az, el, one.az_deg, one.el_deg))
+        due = max(now, min(_moment(limits, one) for one in left))
+        nearest = min(
+            (one for one in left if _moment(limits, one) <= due),
+            key=lambda one: _slew_s(limits, az, el, one.az_deg, one.el_deg),
+        )
         left.remove(nearest)
-        arrival = now + _slew_s(limits, az, el, nearest.az_deg, nearest.el_deg)
+        slew = _slew_s(limits, az, el, nearest.az_deg, nearest.el_deg)
+        arrival = max(now + slew, _moment(limits, nearest))
         if arrival + limits.dwell_s > limits.end_s:
             break
         target = _at(site, limits, arrival, nearest.source, by_name, nearest.az_deg, nearest.el_deg)
@@ -145,6 +151,11 @@ def targets(
         found.append(Target(arrival, nearest.source, *target, nearest.decides))
         now, az, el = arrival + limits.dwell_s, target[0], target[1]
     return found
+
+
+def _moment(limits: Limits, one: Direction) -> float:
+    """Return from when on a direction is to be observed [s since 1970]."""
+    return limits.start_s if one.time_s is None else one.time_s
 
 
 def _offered(site: Site, limits: Limits, catalogue: Sequence[Source]) -> Targets:
@@ -163,7 +174,7 @@ def _offered(site: Site, limits: Limits, catalogue: Sequence[Source]) -> Targets
         up = (el >= limits.lowest_deg * DEG) & (el <= limits.highest_deg * DEG)
         if limits.sun_deg:
             up &= _from_sun(site, time, az, el) >= limits.sun_deg * DEG
-        some = Targets(az[up], el[up], tuple(catalogue[n].name for n in which[up]))
+        some = Targets(az[up], el[up], tuple(catalogue[n].name for n in which[up]), time[up])
     if not len(some.az):
         raise BadInput("nothing is within the limits in the time left")
     return some

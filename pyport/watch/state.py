@@ -208,8 +208,9 @@ def words(one: Event) -> str:
     whose = f" of {alarm['antenna']}" if alarm["antenna"] else ""
     dated = alarm["since"] is not None and one.event not in ("withdrawn", "over")
     when = f", since {alarm['since']}" if dated else ""
-    if alarm["back"] is not None and one.event == "over":
-        when = f", from {alarm['since']} to {alarm['back']}"
+    end = alarm["back"] or alarm["ended"]
+    if one.event == "over" and alarm["since"] is not None and end is not None:
+        when = f", from {alarm['since']} to {end}"
     said = f"alarm {alarm['number']}{whose} {one.event}{when}: {alarm['sentence']}"
     rarity = f"{10 ** min(alarm['log10_likelihood_ratio'], 99):.2g}"
     if one.event in ("withdrawn", "over"):

@@ -135,3 +135,35 @@ def test_what_the_old_model_left_is_judged_with_it(tmp_path):
     said = run(*words, "--in-use").output
     assert "-> 0.00 arcsec" in said
     assert none in said
+
+
+def test_readings_that_no_direction_gives_are_counted(tmp_path):
+    """Within an arcminute of the zenith the way back ended beyond it, without a word."""
+    model, there = tmp_path / "zenith.mod", tmp_path / "there.csv"
+    model.write_text("zenith\nT 0 0 0 0\n IE 210\n CA 40\n AN 15\n AW -12\nEND\n")
+    az = np.arange(0, 360, 10)
+    for el, missed in ((89.97, 0), (89.996, 18)):
+        there.write_text("az_deg,el_deg\n" + "".join(f"{one},{el}\n" for one in az))
+        forth, back = tmp_path / "forth.csv", tmp_path / "back.csv"
+        assert run("apply", model, there, "-o", forth).exit_code == 0
+        driven = np.genfromtxt(forth, delimiter=",", names=True)
+        pairs = zip(driven["mount_az_deg"], driven["mount_el_deg"], strict=True)
+        there.write_text(
+            "az_deg,el_deg\n" + "".join(f"{float(a)!r},{float(e)!r}\n" for a, e in pairs)
+        )
+        said = run("apply", model, there, "--inverse", "-o", back).output
+        found = np.genfromtxt(back, delimiter=",", names=True)["true_el_deg"]
+
+        assert found.max() <= 90
+        right = np.abs(found - el) < 1e-9
+        assert right.all() or missed
+        assert ("readings that no direction gives" in said) == bool(missed)
+
+
+def test_a_drive_beyond_the_pole_is_mentioned(tmp_path):
+    """Such a reading was written without a word, and refused when it came back."""
+    model, there = tmp_path / "high.mod", tmp_path / "there.csv"
+    model.write_text("high\nT 0 0 0 0\n IE -200\nEND\n")
+    there.write_text("az_deg,el_deg\n10,89.99\n10,80\n")
+    said = run("apply", model, there, "-o", tmp_path / "o.csv").output
+    assert "1 rows drive the second axis beyond its pole: mount_el_deg is more than 90" in said

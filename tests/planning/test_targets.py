@@ -13,8 +13,20 @@ from pyport.effects.base import Circumstances, Site
 from pyport.effects.sky.frame import sun
 from pyport.errors import BadInput
 from pyport.formats.models import load
+from pyport.planning.look import thinned
+from pyport.planning.separate import separate
+from pyport.planning.suggest import suggest
 from pyport.planning.target_lists import FORMATS, read_catalogue
-from pyport.planning.targets import Limits, Source, seen_from, sunrise, targets, to_icrs
+from pyport.planning.targets import (
+    STEP_S,
+    Limits,
+    Source,
+    _offered,
+    seen_from,
+    sunrise,
+    targets,
+    to_icrs,
+)
 from pyport.recordings.from_table import from_table
 
 DEG = np.pi / 180
@@ -96,6 +108,25 @@ def test_sources_are_where_they_stand_at_their_time(past):
         assert one.el_deg == pytest.approx(float(el[0] / DEG))
     with pytest.raises(BadInput, match="nothing is within the limits"):
         targets(past, load("altaz"), limits, 3, some[3:4])
+
+
+def test_sources_are_observed_where_they_were_chosen_for(past):
+    """What decides between effects low in the sky was observed hours later, high up in it."""
+    some = read_catalogue("radio")
+    limits = Limits(15, 80, START, START + 8 * 3600)
+    offered = _offered(past.at.site, limits, some)
+    made = thinned(past, load("altaz"), None)
+    chosen, _ = suggest(made, separate(made).pairs, offered, 20)
+    found = targets(past, load("altaz"), limits, 20, some)
+
+    assert len(found) >= 18
+    for one in found:
+        turned = [
+            abs(one.el_deg - each.el_deg)
+            for each in chosen
+            if each.source == one.source and 0 <= one.time_s - each.time_s <= 2 * STEP_S
+        ]
+        assert min(turned) < 10
 
 
 @pytest.mark.parametrize("catalogue", [None, "radio"])
