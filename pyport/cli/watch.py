@@ -113,6 +113,10 @@ def command(
             with contextlib.closing(process):
                 alarmed = _through(seen, stop=exit_on_alarm)
         if once:
+            if process.watch is not None and not process.watch.row and process.left_out:
+                reason, _ = process.left_out.most_common(1)[0]
+                wrong = f"none of {process.left_out.total()} rows can be read, most: {reason}"
+                raise BadInput(wrong, log)
             click.echo(f"{log}: {_so_far(process)}", err=True)
     if alarmed and exit_on_alarm:
         click.get_current_context().exit(ALARMED)

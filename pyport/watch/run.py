@@ -62,6 +62,7 @@ class Process:
     show: Callable[[Watch], None] = lambda _: None
     cursor: Cursor = field(default_factory=Cursor)
     outputs: Outputs = field(init=False)
+    left_out: Counter[str] = field(default_factory=Counter)  #: rows that cannot be read, by reason
     _kept: float = -math.inf
     _behind: bool = False
     _early: list[Recordings] = field(default_factory=list)
@@ -167,6 +168,7 @@ class Process:
             self._noted[kind] += rows
             if before < enough <= self._noted[kind]:
                 self.complain(f"warning: {self.options.log}: {text}")
+        self.left_out.update(one.reason for one in batch.skipped)
         for one in batch.skipped:
             self.complain(f"{self.options.log}:{one.line}: {one.reason}: left out")
 

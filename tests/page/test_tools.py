@@ -161,9 +161,12 @@ def test_the_page_fits_again_as_its_command_does(night, look):
     told = {one["name"]: one["value"] for one in json.loads(done.output)["parameters"]}
     shown = dict(zip([one.name for one in first.model.values], values(tab), strict=True))
     masked = int(tab.locator(".told-again").inner_text().split("; ")[1].split()[0])
+    counted, _, every, *rest = tab.locator("#bar .told").inner_text().split(" ")
     (night / "night.csv.mask").unlink()
 
     assert 5 < masked < 200
+    assert int(counted) == int(every) - masked
+    assert " ".join(rest).startswith("recordings, the others masked: rms ")
     assert shown.pop("collimation") == 0
     assert shown.pop("skew") == first.coefficients["skew[W06]"].value
     assert "collimation" not in told

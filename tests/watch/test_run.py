@@ -312,3 +312,15 @@ def test_no_such_log_is_one_line(tmp_path):
         program, ["watch", str(tmp_path / "none.csv"), "--out", str(tmp_path)]
     )
     assert "no such log" in str(done.exception)
+
+
+def test_a_log_of_which_no_row_can_be_read_is_refused(night, tmp_path):
+    """It ended with "no alarm" and status 0."""
+    folder, _, _ = night
+    log = tmp_path / "night.csv"
+    log.write_text((folder / "night.csv").read_text().replace("d_xel_arcsec", "dx", 1))
+    log.write_text(log.read_text().replace("d_el_arcsec", "dy", 1))
+    words = ["watch", str(log), "--history", str(folder / "past.csv"), "--once"]
+    done = CliRunner().invoke(program, [*words, "--out", str(tmp_path / "out")])
+    rows = sum(not one.startswith("#") for one in log.read_text().splitlines()) - 1
+    assert f"none of {rows} rows can be read, most: no offset column" in str(done.exception)

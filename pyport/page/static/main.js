@@ -122,6 +122,8 @@ function toolbar() {
 }
 
 function drawnText() {
+  const masked = state.fit ? state.fit.masked.reduce((a, b) => a + b, 0) : 0;
+  if (masked) return `${count - masked} of ${count} recordings, the others masked`;
   return count < data.total
     ? `${count} of ${data.total} drawn, chosen at random` : `${count} recordings`;
 }

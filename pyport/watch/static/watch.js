@@ -50,7 +50,10 @@ function sky(data) {
     put(svg, "line", { x1: x, y1: y, x2: x + dx, y2: y + dy, class: late ? "two" : "one" });
     put(svg, "circle", { cx: x, cy: y, r: 0.9 });
   });
-  put(svg, "text", { x: -108, y: 108 }, `a bar of 12: ${(12 / scale).toFixed(1)} arcsec`);
+  put(svg, "line", { x1: -108, y1: 104, x2: -96, y2: 104, class: "one" });
+  put(svg, "text", { x: -92, y: 108 }, `${(12 / scale).toFixed(1)} arcsec`);
+  put(svg, "line", { x1: 30, y1: 104, x2: 42, y2: 104, class: "two" });
+  put(svg, "text", { x: 46, y: 108 }, "the last ten");
 }
 
 function axes(svg, data, low, high, height) {
