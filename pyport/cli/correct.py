@@ -173,6 +173,8 @@ def compare(
     from pyport.recordings import read
     from pyport.recordings.naming import KEYS, site_of
 
+    if in_use and recordings is None:
+        raise click.UsageError("--in-use is said of recordings: give them by --recordings")
     if picture is not None and picture.suffix[1:] not in FORMATS:
         raise BadInput(f"expected a suffix of {', '.join(FORMATS)}", picture)
     measured = None if recordings is None else read(recordings, given)

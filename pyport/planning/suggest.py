@@ -264,7 +264,8 @@ def within_reach(at: Circumstances, targets: Targets) -> Targets:
     latitude = at.latitude() if at.mount.needs_latitude else 0.0
     reached = at.mount.reaches(*at.mount.angles(targets.az, targets.el, latitude))
     source = tuple(name for name, there in zip(targets.source, reached, strict=True) if there)
-    return Targets(targets.az[reached], targets.el[reached], source)
+    time_s = None if targets.time_s is None else targets.time_s[reached]
+    return Targets(targets.az[reached], targets.el[reached], source, time_s)
 
 
 def of_sources(recordings: Recordings, lowest_deg: float, highest_deg: float) -> Targets | None:

@@ -135,6 +135,7 @@ def test_what_the_old_model_left_is_judged_with_it(tmp_path):
     said = run(*words, "--in-use").output
     assert "-> 0.00 arcsec" in said
     assert none in said
+    assert "--in-use is said of recordings" in run("compare", old, new, "--in-use").output
 
 
 def test_readings_that_no_direction_gives_are_counted(tmp_path):
