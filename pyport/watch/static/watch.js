@@ -50,9 +50,9 @@ function sky(data) {
     put(svg, "line", { x1: x, y1: y, x2: x + dx, y2: y + dy, class: late ? "two" : "one" });
     put(svg, "circle", { cx: x, cy: y, r: 0.9 });
   });
-  put(svg, "line", { x1: -108, y1: 104, x2: -96, y2: 104, class: "one" });
+  put(svg, "path", { d: "M-108 104h12", class: "one" });
   put(svg, "text", { x: -92, y: 108 }, `${(12 / scale).toFixed(1)} arcsec`);
-  put(svg, "line", { x1: 30, y1: 104, x2: 42, y2: 104, class: "two" });
+  put(svg, "path", { d: "M30 104h12", class: "two" });
   put(svg, "text", { x: 46, y: 108 }, "the last ten");
 }
 
