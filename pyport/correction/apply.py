@@ -11,14 +11,14 @@ from numpy.typing import NDArray
 from pyport.angles import ARCSEC, DEG, Array, wrap
 from pyport.columns import LABELS, NUMBERS, SCAN_RATE, SET_ASIDE, TIME, angle_of
 from pyport.correction.compare import rms_of, spoken_axes
-from pyport.correction.use import PointingModel, turned
+from pyport.correction.use import PointingModel
 from pyport.effects import Circumstances
 from pyport.effects.sky.atmosphere import LOWEST_EL
 from pyport.errors import BadInput
 from pyport.formats.convert import table_of
 from pyport.models.conditions import refuse_slips
 from pyport.models.labels import taken_for
-from pyport.mounts import ALTAZ, Mount
+from pyport.mounts import ALTAZ, Mount, turned
 from pyport.recordings.interpret import angles_of, azimuth_from_south, targets
 from pyport.recordings.mounted import axes_of, names_of, offsets_of
 from pyport.recordings.naming import KEYS
@@ -26,6 +26,9 @@ from pyport.recordings.raw import Raw
 from pyport.recordings.schema import Recordings, Table
 from pyport.recordings.sky import with_nights
 from pyport.recordings.where import parse
+
+#: A reading that no direction gives is missed by more than this [rad].
+MISSED = 1e-3 * ARCSEC
 
 
 @dataclass(frozen=True)
@@ -150,12 +153,13 @@ def _forward(model: PointingModel, at: Circumstances) -> dict[str, Array]:
     x, y = model.at(at)
     first, second = axes_of(at)
     turn, names = turned(x, second), names_of(at.mount)
+    drive_first, drive_second = _driven(at.mount)
     return {
         f"model_{names.across}_arcsec": x / ARCSEC,
         f"model_{names.first}_arcsec": turn / ARCSEC,
         f"model_{names.along}_arcsec": y / ARCSEC,
-        f"mount_{names.first.removeprefix('d_')}_deg": (first + turn) / DEG,
-        f"mount_{names.along.removeprefix('d_')}_deg": (second + y) / DEG,
+        drive_first: (first + turn) / DEG,
+        drive_second: (second + y) / DEG,
     }
 
 
@@ -171,27 +175,28 @@ def _inverse(model: PointingModel, at: Circumstances) -> dict[str, Array]:
     }
 
 
-#: A reading that no direction gives is missed by more than this [rad].
-MISSED = 1e-3 * ARCSEC
+def _driven(mount: Mount) -> tuple[str, str]:
+    """Return the columns that hold where to drive a mount's axes, the first and the second."""
+    names = names_of(mount)
+    first, second = (f"mount_{one.removeprefix('d_')}_deg" for one in (names.first, names.along))
+    return first, second
 
 
 def _unreached(model: PointingModel, at: Circumstances, found: dict[str, Array]) -> Iterator[str]:
     """Yield how many readings no direction gives: at the zenith, at the edge of a field."""
     there = replace(at, az=found["true_az_deg"] * DEG, el=found["true_el_deg"] * DEG)
     back = _forward(model, there)
-    wanted, names = axes_of(at), names_of(at.mount)
-    driven = [
-        back[f"mount_{name.removeprefix('d_')}_deg"] * DEG for name in (names.first, names.along)
-    ]
-    turn = wrap(driven[0] - wanted[0]) * np.cos(wanted[1])
-    count = int(np.sum(np.hypot(turn, driven[1] - wanted[1]) > MISSED))
+    first, second = (back[name] * DEG for name in _driven(at.mount))
+    read_first, read_second = axes_of(at)
+    turn = wrap(first - read_first) * np.cos(read_second)
+    count = int(np.sum(np.hypot(turn, second - read_second) > MISSED))
     if count:
         yield f"{count} rows hold readings that no direction gives: the nearest one is written"
 
 
 def _beyond(mount: Mount, found: dict[str, Array]) -> Iterator[str]:
     """Yield how many rows drive the second axis beyond its pole."""
-    name = f"mount_{names_of(mount).along.removeprefix('d_')}_deg"
+    _, name = _driven(mount)
     count = int(np.sum(np.abs(found[name]) > 90.0))
     if count:
         yield f"{count} rows drive the second axis beyond its pole: {name} is more than 90"
@@ -199,11 +204,9 @@ def _beyond(mount: Mount, found: dict[str, Array]) -> Iterator[str]:
 
 def _readings(raw: Raw, mount: Mount) -> Iterator[str]:
     """Yield what a file has the mount's readings under, besides the names that are taken."""
-    names = names_of(mount)
-    for one in (names.first, names.along):
-        taken = one.removeprefix("d_")
-        if f"mount_{taken}_deg" in raw.columns:
-            yield f"the readings are those under {taken}_deg, not under mount_{taken}_deg"
+    for name in _driven(mount):
+        if name in raw.columns:
+            yield f"the readings are those under {name.removeprefix('mount_')}, not under {name}"
 
 
 def _residuals(

@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from pyport.angles import ARCSEC, DEG, Array, wrap
+from pyport.angles import ARCSEC, DEG, Array
 from pyport.arguments import place
 from pyport.columns import SPELLED
 from pyport.correction.directions import Pointing, directions, formed
+from pyport.correction.driving import driven, undone
 from pyport.correction.kernel import Kernel, kernel
 from pyport.effects import Circumstances, MissingColumn, Site
 from pyport.errors import BadInput
@@ -21,15 +22,11 @@ from pyport.files import sha256
 from pyport.models import complete
 from pyport.models.conditions import Columns, Value
 from pyport.models.model import INSIDE, Model
-from pyport.mounts import ALTAZ, Mount, turned
+from pyport.mounts import ALTAZ, Mount
 
 if TYPE_CHECKING:
     from pyport.formats.rest import Rest
 
-#: The mount is inverted to this [rad]: a millionth of an arcsecond.
-SETTLED = 1e-6 * ARCSEC
-#: Offsets change by a hundredth of the way at most, but near the zenith: a few turns settle it.
-TURNS = 60
 #: Later than any row of recordings.
 LATEST = 1e18
 
@@ -129,7 +126,7 @@ class PointingModel:
         elevation as Quantities, or an `AltAz`.
         """
         there = directions(where, conditions, self.model.site, self._others)
-        return formed(there, *self._moved(there))
+        return formed(there, *driven(there, self._mount(there.mount), self._of))
 
     def inverse(self, *where: Any, **conditions: Any) -> Any:  # noqa: ANN401 - as it is given
         """Return the true direction that a mount points at, from its readings.
@@ -139,7 +136,7 @@ class PointingModel:
         given.
         """
         there = directions(where, conditions, self.model.site, self._others)
-        return formed(there, *self._solved(there))
+        return formed(there, *undone(there, self._mount(there.mount), self._of))
 
     def at(self, there: Circumstances) -> tuple[Array, Array]:
         """Return the offsets of n pointings [rad], shape (n,): along the axes of their mount.
@@ -156,9 +153,8 @@ class PointingModel:
         """Return the true azimuths and elevations of n mount readings [rad], shape (n,)."""
         self.model.on(there.mount)
         site, columns = there.site or self.model.site, dict(there.columns)
-        return self._solved(
-            Pointing(there.az, there.el, there.az.shape, columns, site, mount=there.mount)
-        )
+        readings = Pointing(there.az, there.el, there.az.shape, columns, site, mount=there.mount)
+        return undone(readings, self._mount(there.mount), self._of)
 
     def met(self, there: Circumstances, file: Path) -> Circumstances:
         """Return the recordings of a file as the model meets them.
@@ -260,6 +256,10 @@ class PointingModel:
         except MissingColumn:
             raise self._lacking(set(columns)) from None
 
+    def _of(self, there: Pointing) -> tuple[Array, Array]:
+        """Return offsets along the axes of the mount that directions are of."""
+        return self._offsets(there.az, there.el, there.columns, there.site, there.mount)
+
     def _on_sky(
         self, az: Array, el: Array, columns: Columns, site: Site | None
     ) -> tuple[Array, Array]:
@@ -295,29 +295,6 @@ class PointingModel:
             which = "say of which mount it is: --mount or '# mount:', such as xy-ns or equatorial"
             raise BadInput(f"the first axis of the model {self.name} leans (phi): {which}")
         return mount
-
-    def _moved(self, there: Pointing) -> tuple[Array, Array]:
-        """Return where the mount is driven for true directions, as a place on the sky [rad]."""
-        x, y = self._offsets(there.az, there.el, there.columns, there.site, there.mount)
-        mount = self._mount(there.mount)
-        latitude = there.site.latitude if there.site is not None else 0.0
-        first, second = mount.angles(there.az, there.el, latitude)
-        return mount.sky(first + turned(x, second), second + y, latitude)
-
-    def _solved(self, there: Pointing) -> tuple[Array, Array]:
-        """Return the true directions of a mount's readings [rad], by fixed-point iteration."""
-        az, el = there.az.copy(), there.el.copy()
-        for _ in range(TURNS):
-            seen_az, seen_el = self._moved(replace(there, az=az, el=el))
-            new_az, new_el = az + (there.az - seen_az), el + (there.el - seen_el)
-            if self._mount(there.mount) is not ALTAZ:
-                new_az = az + wrap(new_az - az)
-            moved = np.hypot((new_az - az) * np.cos(el), new_el - el)
-            az, el = new_az, new_el
-            if not np.nanmax(moved, initial=0.0) > SETTLED:
-                break
-        over = el > np.pi / 2  # past the zenith: the same place from the other side
-        return np.where(over, az + np.pi, az), np.where(over, np.pi - el, el)
 
 
 def model_of(model: str | Path | Model | PointingModel) -> Model:

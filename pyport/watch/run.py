@@ -168,8 +168,8 @@ class Process:
             self._noted[kind] += rows
             if before < enough <= self._noted[kind]:
                 self.complain(f"warning: {self.options.log}: {text}")
-        self.left_out.update(one.reason for one in batch.skipped)
         for one in batch.skipped:
+            self.left_out[one.reason] += 1
             self.complain(f"{self.options.log}:{one.line}: {one.reason}: left out")
 
     def _complain_of_times(self, watch: Watch, recordings: Recordings) -> None:

@@ -66,7 +66,10 @@ def test_what_went_back_while_it_was_named_is_over_and_was_no_other_cause(count)
     assert watch.standing == []
     assert [one.event for one in watch.events] == ["raised", "over"]
     assert "went back" in alarm.sentence
-    assert f"to {watch.events[-1].alarm['back']}: " in state.words(watch.events[-1])
+    last = watch.events[-1]
+    assert f"to {last.alarm['back']}: " in state.words(last)
+    ended = replace(last, alarm=last.alarm | {"back": None})
+    assert f"from {last.alarm['since']} to {last.alarm['ended']}: " in state.words(ended)
     assert abs(alarm.since_row - 1 - first) <= 1
     assert abs(np.searchsorted(when, alarm.back) - first - count) <= 1
     assert {"sag_cosine", "elevation_zero"} & {one for alike, _ in alarm.members for one in alike}
