@@ -208,10 +208,7 @@ def load_model(model: str | Path | Model, mount: str = "") -> PointingModel:
         There is no such model, it has no coefficients, or is of another mount.
     """
     from pyport.correction.use import PointingModel, model_of
-    from pyport.formats.leaning import leans, stated
-    from pyport.mounts import ALTAZ
+    from pyport.recordings.mounted import stated
 
     known, kind = model_of(model), stated({"mount": mount})
-    if kind is not ALTAZ:
-        return PointingModel(known.on(kind))
-    return PointingModel(known, leaning=isinstance(model, str | Path) and leans(model))
+    return PointingModel(known if kind is None else known.on(kind))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import os
+import stat
 import tempfile
 import time
 from collections.abc import Iterator
@@ -20,8 +21,10 @@ def write_whole(path: str | Path, mode: str = "w") -> Iterator[IO[Any]]:
     """Open a file that replaces `path` only when everything was written.
 
     The new content goes to a temporary file in the same folder, is synced to
-    disk and renamed over the old one; an exception or a kill leaves the old
-    file as it was. What a killed run left behind is removed by a later one.
+    disk and renamed over the old one, whose mode it keeps; an exception or a kill
+    leaves the old file as it was. What a killed run left behind is removed by a
+    later one. A link stays one: what it names is replaced. Into a pipe or a device
+    the content goes as it comes.
 
     Parameters
     ----------
@@ -35,10 +38,15 @@ def write_whole(path: str | Path, mode: str = "w") -> Iterator[IO[Any]]:
     OSError
         The file cannot be written; its name is that of `path`.
     """
-    path = Path(path)
+    given, path = str(path), Path(os.path.realpath(path))
     options = {} if "b" in mode else {"encoding": "utf-8", "newline": ""}
     temporary = ""
     try:
+        there = path.stat() if path.exists() else None
+        if there is not None and not (stat.S_ISREG(there.st_mode) or stat.S_ISDIR(there.st_mode)):
+            with path.open(mode, **options) as file:  # type: ignore[call-overload]
+                yield file
+            return
         path.parent.mkdir(parents=True, exist_ok=True)
         _remove_abandoned(path)
         handle, temporary = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
@@ -46,7 +54,7 @@ def write_whole(path: str | Path, mode: str = "w") -> Iterator[IO[Any]]:
             yield file
             file.flush()
             os.fsync(file.fileno())
-        _give_usual_permissions(temporary)
+        Path(temporary).chmod(_usual_mode() if there is None else stat.S_IMODE(there.st_mode))
         Path(temporary).replace(path)
         temporary = ""
         _sync_folder(path.parent)
@@ -54,7 +62,7 @@ def write_whole(path: str | Path, mode: str = "w") -> Iterator[IO[Any]]:
         # the temporary name, or none at all (a full disk), says nothing to whoever reads this
         if error.filename is None or Path(error.filename).name.startswith(f".{path.name}."):
             text = f"cannot be written: {error.strerror or error}"
-            raise OSError(error.errno, text, str(path)) from error
+            raise OSError(error.errno, text, given) from error
         raise
     finally:
         if temporary:
@@ -73,11 +81,11 @@ def copy_whole(source: Path, target: Path) -> None:
     write_file(target, source.read_bytes())
 
 
-def _give_usual_permissions(path: str) -> None:
-    """Undo the owner-only mode of a temporary file, as far as the umask allows."""
+def _usual_mode() -> int:
+    """Return what a new file's mode is, as far as the umask allows."""
     mask = os.umask(0)
     os.umask(mask)
-    Path(path).chmod(0o666 & ~mask)
+    return 0o666 & ~mask
 
 
 def _sync_folder(folder: Path) -> None:

@@ -43,8 +43,6 @@ class PointingModel:
     """A pointing model with coefficients, ready to be asked."""
 
     model: Model  #: its terms
-    #: Whether its first axis leans and its file does not say of which mount it is.
-    leaning: bool = False
     _ready: dict[tuple[tuple[str, str], ...], Kernel] = field(
         default_factory=dict, compare=False, repr=False
     )
@@ -107,7 +105,7 @@ class PointingModel:
         under the names that recordings have inside the program (`time` in seconds since 1970,
         `temperature_c`, ...).
         """
-        if self.model.mount is not ALTAZ or self.leaning:
+        if self.model.mount is not ALTAZ or self.model.leans:
             arrays = {key: np.array([one]) for key, one in columns.items()}
             x, y = self._on_sky(np.array([az_rad]), np.array([el_rad]), arrays, self.model.site)
             return float(x[0]), float(y[0])
@@ -291,7 +289,7 @@ class PointingModel:
         Raises `BadInput`: neither says which way an axis leans.
         """
         mount = self.model.mount if stated is ALTAZ else stated
-        if self.leaning and mount is ALTAZ:
+        if self.model.leans and mount is ALTAZ:
             which = "say of which mount it is: --mount or '# mount:', such as xy-ns or equatorial"
             raise BadInput(f"the first axis of the model {self.name} leans (phi): {which}")
         return mount

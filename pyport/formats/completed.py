@@ -18,10 +18,11 @@ from pyport.formats import models
 from pyport.formats.model_file import (
     KEPT,
     MOUNT_OF,
-    NAMES,
+    UPRIGHT_DEG,
     WORDS,
     Entry,
     ModelFile,
+    names_of,
     rounded,
     translated,
 )
@@ -29,7 +30,6 @@ from pyport.formats.rest import Rest, Waves, is_known, rest_of, sky, sky_under, 
 from pyport.models import toml
 from pyport.models.labels import split_of
 from pyport.models.model import Model, Term
-from pyport.models.terms.field_system import GRAVITY
 from pyport.models.terms.shapes import shape_of
 from pyport.models.terms.words import SCALES
 from pyport.mounts import ALTAZ
@@ -97,7 +97,7 @@ def write_model(
     title = str(made.get("title") or made.get("telescope") or model.name)
     field_system = chosen.vocabulary == "field-system"
     details = {key: made[key] for key in KEPT if key in made and field_system}
-    phi = _phi_deg(model, path) if field_system else Decimal(90)
+    phi = _phi_deg(model, path) if field_system else UPRIGHT_DEG
     file = ModelFile(vocabulary, tuple(_summed(found)), title, phi, details)
     if chosen.vocabulary == "tpoint":
         file = replace(file, details={"statistics": _statistics(model)})
@@ -229,12 +229,13 @@ def _in_vocabulary(one: _Value, vocabulary: str) -> list[Entry]:
             except BadInput:
                 return []
     found = shape_of(one.effect, one.column)
-    name = None if found is None else NAMES[vocabulary](found[0])
-    word = None if name is None else WORDS[vocabulary](name[0])
-    if found is None or name is None or word is None:
-        return []
-    names = GRAVITY if vocabulary in MOUNT_OF and name[0] in GRAVITY else (name[0],)
-    return [one.entry(own, word.unit, name[1] / found[1]) for own in names]
+    names = [] if found is None else names_of(found[0], vocabulary)
+    named = [(WORDS[vocabulary](name), sign) for name, sign in names]
+    return [
+        one.entry(word.name, word.unit, sign / found[1])
+        for word, sign in named
+        if found is not None and word is not None
+    ]
 
 
 def _summed(entries: Sequence[Entry]) -> list[Entry]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from decimal import Decimal
 from pathlib import Path
 
 import numpy as np
@@ -15,10 +14,10 @@ from pyport.files import is_file
 from pyport.formats import models
 from pyport.formats.completed import write_model
 from pyport.formats.field_system import err
-from pyport.formats.leaning import stated
 from pyport.formats.model_file import (
     MOUNT_OF,
     NAMES,
+    UPRIGHT_DEG,
     WORDS,
     ModelFile,
     translated,
@@ -33,6 +32,7 @@ from pyport.recordings.files import read_raw
 from pyport.recordings.formats import registry as tables
 from pyport.recordings.interpret import interpret
 from pyport.recordings.masks import set_aside
+from pyport.recordings.mounted import stated
 from pyport.recordings.naming import site_of
 from pyport.recordings.raw import NOTHING, FileOptions, Raw
 from pyport.recordings.schema import Table
@@ -207,10 +207,7 @@ def _model(
     vocabulary = chosen.vocabulary or file.vocabulary
     if file.vocabulary.startswith(vocabulary):
         vocabulary = file.vocabulary  # of another mount, too
-    elif file.vocabulary in MOUNT_OF or file.phi_deg != Decimal(90):
-        if chosen.vocabulary == "field-system" and any(one.name == "TF" for one in file.entries):
-            wrong = "TF is P2 and P8 of one size there: fit the model anew, with --add sag_cosine"
-            raise BadInput(wrong, models.split(source)[0])
+    elif file.vocabulary in MOUNT_OF or file.phi_deg != UPRIGHT_DEG:
         mounted = replace(_mounted(file, source, given), site=site_of(given.keys))
         name, number, rest = write_model(mounted, target, to=write_as, leave_out=leave_out)
         return Done("model", number, name, rest.names, rest.rms_arcsec)
@@ -228,7 +225,7 @@ def _mounted(file: ModelFile, source: str, given: FileOptions) -> Model:
 
     Raises `BadInput`: neither does.
     """
-    mount = stated(given.keys)
+    mount = stated(given.keys) or ALTAZ
     if mount is ALTAZ and file.vocabulary not in MOUNT_OF:
         wrong = f"phi is {file.phi_deg} deg, and no mount is stated"
         raise BadInput(f"{wrong}: --mount xy-ns, equatorial, ...", models.split(source)[0])

@@ -20,6 +20,8 @@ from pyport.mounts import BY_MODEL
 #: arcseconds with eight, and arcseconds with eight come back from degrees with twelve.
 DECIMALS = {"deg": 12, "arcsec": 8, "": 14}
 _RADIAN_DEG = Decimal("57.295779513082320876798")
+#: The elevation of the first axis of an alt-azimuth mount.
+UPRIGHT_DEG = Decimal(90)
 
 #: Vocabularies: name -> word, and shape -> name and sign.
 WORDS: dict[str, Callable[[str], Word | None]] = {
@@ -70,7 +72,7 @@ class ModelFile:
     vocabulary: str  #: one of `WORDS`
     entries: tuple[Entry, ...]  #: its terms, in the file's order
     title: str = ""  #: the caption, "" without one
-    phi_deg: Decimal = Decimal(90)  #: the Field System's: the elevation of the first axis
+    phi_deg: Decimal = UPRIGHT_DEG  #: the Field System's: the elevation of the first axis
     #: What else the file holds, for writing it again.
     details: Mapping[str, Any] = field(default_factory=dict)
 
@@ -81,7 +83,7 @@ class ModelFile:
         """
         if entry.formula:
             return editing.formula_word(entry.name, entry.formula)
-        if self.vocabulary.startswith("field-system") and self.phi_deg != Decimal(90):
+        if self.vocabulary.startswith("field-system") and self.phi_deg != UPRIGHT_DEG:
             word = field_system.word(entry.name, float(self.phi_deg))
         else:
             word = WORDS[self.vocabulary](entry.name)
@@ -99,6 +101,8 @@ class ModelFile:
         }
         kept = {"title": self.title, **{key: self.details.get(key) for key in KEPT}}
         details |= {key: one for key, one in kept.items() if one}
+        if self.phi_deg != UPRIGHT_DEG:
+            details["phi_deg"] = float(self.phi_deg)
         model = Model(name, tuple(filter(None, map(self._term, self.entries))), details=details)
         of = MOUNT_OF.get(self.vocabulary)
         return model if of is None else model.on(BY_MODEL[of])
@@ -156,9 +160,19 @@ def _acts(word: Word, entry: Entry) -> bool:
 
 def _counterparts(file: ModelFile, entry: Entry, vocabulary: str) -> list[tuple[str, float]]:
     """Return the names that together stand for a term, each with its weight; none without them."""
-    found = [(NAMES[vocabulary](shape), weight) for shape, weight in file.word(entry).parts]
-    named = [(name[0], name[1] * weight) for name, weight in found if name is not None]
-    return named if len(named) == len(found) else []
+    found = [(names_of(shape, vocabulary), weight) for shape, weight in file.word(entry).parts]
+    if not all(names for names, _ in found):
+        return []
+    return [(name, sign * weight) for names, weight in found for name, sign in names]
+
+
+def names_of(shape: Shape, vocabulary: str) -> list[tuple[str, int]]:
+    """Return the names that together stand for a shape, each with its sign; none without them."""
+    name = NAMES[vocabulary](shape)
+    if name is None:
+        return []
+    both = vocabulary in MOUNT_OF and name[0] in field_system.GRAVITY
+    return [(one, name[1]) for one in (field_system.GRAVITY if both else (name[0],))]
 
 
 def _renamed(entry: Entry, name: str, sign: float, vocabulary: str) -> Entry:

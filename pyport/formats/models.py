@@ -13,7 +13,7 @@ from pyport.errors import BadInput
 from pyport.files import is_file, write_file
 from pyport.formats import discos, katpoint_model, tpoint_mod
 from pyport.formats.field_system import ctl
-from pyport.formats.model_file import WORDS, Entry, ModelFile
+from pyport.formats.model_file import UPRIGHT_DEG, WORDS, Entry, ModelFile, in_unit
 from pyport.models import toml
 from pyport.models.model import BUILT_IN, Model
 from pyport.models.terms import editing
@@ -24,6 +24,8 @@ from pyport.toml_text import toml_spelled
 #: Keys of the value and its sigma in a unit.
 _SUFFIX = {unit: f"_{unit}" if unit else "" for unit in SCALES}
 _MARKS = ("fixed", "used", "parallel")
+#: No coefficient is as large.
+TURN_DEG = 360
 
 
 def _whole(value: object) -> bool:
@@ -79,6 +81,9 @@ def read_toml(path: Path) -> ModelFile:
     if not isinstance(rows, list) or not rows or not all(isinstance(row, dict) for row in rows):
         raise BadInput("no [[term]] table: a model lists its terms, one table each", path)
     found = tuple(_entry(row, vocabulary, path) for row in rows)
+    names = [one.name for one in found]
+    if twice := next((name for name in names if names.count(name) > 1), ""):
+        raise BadInput(f"{twice} stands twice, expected each term once", path)
     details = tree.get("details", {})
     if not isinstance(details, dict):
         raise BadInput(f"details is {details!r:.40}, expected a table", path)
@@ -88,7 +93,7 @@ def read_toml(path: Path) -> ModelFile:
     flags = details.get("flags", ())
     if flags and max(_place(one) for one in found) > len(flags):
         raise BadInput(f"{len(flags)} flags, expected one for each parameter", path)
-    phi = _number(tree.get("phi_deg", 90), "phi_deg", path)
+    phi = _number(tree.get("phi_deg", UPRIGHT_DEG), "phi_deg", path)
     return ModelFile(vocabulary, found, str(tree.get("name", "")), phi, details)
 
 
@@ -133,7 +138,7 @@ def write(file: ModelFile, path: Path) -> None:
     """Write a model with its digits as they stand."""
     whole: dict[str, Any] = {"name": file.title} if file.title else {}
     whole["vocabulary"] = file.vocabulary
-    if file.phi_deg != Decimal(90):
+    if file.phi_deg != UPRIGHT_DEG:
         whole["phi_deg"] = file.phi_deg
     tables = {"term": [_row(entry) for entry in file.entries], "details": file.details}
     text = toml_spelled(whole | {key: table for key, table in tables.items() if table})
@@ -232,8 +237,22 @@ def read(name: str | Path, chosen: str = "") -> ModelFile:
     if not is_file(path):
         raise BadInput("no such file, expected a pointing model", path)
     if receiver:
-        return discos.read(path, receiver)
-    return (FORMATS[chosen] if chosen else format_of(path)).read(path)
+        return _checked(discos.read(path, receiver), path)
+    return _checked((FORMATS[chosen] if chosen else format_of(path)).read(path), path)
+
+
+def _checked(file: ModelFile, path: Path) -> ModelFile:
+    """Return a model whose numbers can be what they stand for.
+
+    Raises `BadInput`: its first axis rises by more than a right angle, or a term is a turn or more.
+    """
+    if abs(file.phi_deg) > UPRIGHT_DEG:
+        raise BadInput(f"phi is {file.phi_deg} deg, expected -90 to 90", path)
+    for entry in file.entries:
+        if entry.used and abs(in_unit(entry.value, entry.unit, "deg")) >= TURN_DEG:
+            said = f"{entry.name} is {entry.value} {entry.unit}".rstrip()
+            raise BadInput(f"{said}, expected less than a turn", path)
+    return file
 
 
 def format_of(path: Path) -> ModelFormat:

@@ -35,14 +35,19 @@ def read(path: Path) -> ModelFile:
     if not body or not body[0].text.strip().startswith("T"):
         wanted = "expected a line such as 'T   54   3.1416    0.000   0.0000'"
         raise BadInput(f"no line of statistics, {wanted}", path, body[0].number if body else 1)
-    entries: list[Entry] = []
-    for line in body[1:]:
-        if line.text.strip().upper() == "END":
-            break
-        entries.append(_entry(line, meant))
-    else:
+    ends = [n for n, line in enumerate(body) if line.text.strip().upper() == "END"]
+    if not ends:
         last = body[-1].number
         raise BadInput("no line END below the terms: the file may be cut off", path, last)
+    if ends[0] + 1 < len(body):
+        raise body[ends[0] + 1].error("this stands below END, expected one model a file")
+    found: dict[str, Entry] = {}
+    for line in body[1 : ends[0]]:
+        one = _entry(line, meant)
+        if one.name in found:
+            raise line.error(f"{one.name} stands twice, expected each term once")
+        found[one.name] = one
+    entries = tuple(found.values())
     if not entries:
         raise BadInput("no terms below the statistics", path, body[0].number)
     known = [one.name for one in entries if not one.formula]
@@ -57,7 +62,7 @@ def read(path: Path) -> ModelFile:
         raise BadInput(wrong, path)
     details = {"statistics": _statistics(body[0])}
     vocabulary = "tpoint-equatorial" if polar else "tpoint"
-    return ModelFile(vocabulary, tuple(entries), title.text.strip(), details=details)
+    return ModelFile(vocabulary, entries, title.text.strip(), details=details)
 
 
 def _statistics(line: Line) -> dict[str, Decimal]:

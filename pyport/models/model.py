@@ -144,7 +144,8 @@ class Model:
         What is known of a model that a fit or a diagnosis completed.
     details
         What another program's file says beside the terms: of its own fit `stars` and
-        `sky_rms_arcsec`; `title`, `comments`, `number_and_date`.
+        `sky_rms_arcsec`; `title`, `comments`, `number_and_date`; `phi_deg`, the elevation of the
+        first axis where that is not 90.
     mount
         Whose axes it is of.
     """
@@ -157,6 +158,11 @@ class Model:
     completed: Completed | None = field(default=None, compare=False, repr=False)
     details: Mapping[str, Any] = field(default_factory=dict, compare=False, repr=False)
     mount: Mount = ALTAZ
+
+    @property
+    def leans(self) -> bool:
+        """Tell whether its first axis leans while nobody has said of which mount it is."""
+        return self.mount is ALTAZ and "phi_deg" in self.details
 
     def fitted(self, refit: Collection[str] | None = None) -> list[Term]:
         """Return the terms to fit: all that are not fixed, or those of them whose id is named.

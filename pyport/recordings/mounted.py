@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from pyport.angles import Array
 from pyport.effects.base import OVER, PIER_SIDE, Circumstances
 from pyport.effects.mounts import MOUNT, MOUNTS, declared
+from pyport.errors import BadInput
 from pyport.mounts import ALTAZ, KINDS, Mount
 from pyport.recordings.raw import Raw
 
@@ -75,23 +76,33 @@ SAME = (
 )
 
 
+def stated(keys: Mapping[str, str]) -> Mount | None:
+    """Return the kind of mount that header keys state, None where they state none.
+
+    Raises `BadInput`: they state no mount that is known, or two.
+    """
+    words = [ALSO.get(word, word) for word in declared(keys)]
+    if wrong := [word for word in words if word not in MOUNTS and word not in KINDS]:
+        known = ", ".join((*KINDS, *MOUNTS))
+        raise BadInput(f"{MOUNT} is {wrong[0]!r}, expected one or more of {known}")
+    kinds = [KINDS[word] for word in words if word in KINDS]
+    if len(kinds) > 1:
+        raise BadInput(f"{MOUNT} is {kinds[0].id} and {kinds[1].id}, expected one of them")
+    return kinds[0] if kinds else None
+
+
 def mount_of(raw: Raw, quantities: Collection[str]) -> Mount:
     """Return the mount that a file declares or, where it is silent, that its columns tell.
 
     Raises `BadInput`: it declares no mount that is known, or two; its columns are of another, or of
       one of two.
     """
-    words = [ALSO.get(word, word) for word in declared(raw.meta)]
-    if wrong := [word for word in words if word not in MOUNTS and word not in KINDS]:
-        known = ", ".join((*KINDS, *MOUNTS))
-        raise raw.error(f"{MOUNT} is {wrong[0]!r}, expected one or more of {known}", key=MOUNT)
-    kinds = [KINDS[word] for word in words if word in KINDS]
-    if len(kinds) > 1:
-        both = f"{kinds[0].id} and {kinds[1].id}"
-        raise raw.error(f"{MOUNT} is {both}, expected one of them", key=MOUNT)
+    try:
+        mount = stated(raw.meta)
+    except BadInput as error:
+        raise raw.error(error.message, key=MOUNT) from None
     there = {one for one in ALL_NAMES if one.offsets & set(quantities)}
-    if kinds:
-        mount = kinds[0]
+    if mount is not None:
         # what was measured across and along elevation any mount's axes can show
         foreign = there - {names_of(mount), names_of(ALTAZ)}
         if foreign:

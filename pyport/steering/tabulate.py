@@ -225,10 +225,11 @@ def _any_offsets(
     """Return the offsets [deg] of any model of the program that has coefficients."""
     from pyport.effects import Circumstances
     from pyport.formats import models
-    from pyport.formats.leaning import refuse_leaning
 
     loaded = models.load(model)
-    refuse_leaning(model)
+    if loaded.leans:
+        wanted = "expected a model of azimuth and elevation"
+        raise BadInput(f"the first axis of the model {model!r} leans (phi), {wanted}")
     if loaded.given is None and not any(term.has_values for term in loaded.terms):
         raise BadInput(f"model {model!r} has no coefficients to make a table from")
     if loaded.completed is not None and (wrong := loaded.completed.undetermined):

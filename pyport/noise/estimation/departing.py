@@ -21,6 +21,9 @@ from pyport.noise.series import Departures
 from pyport.recordings.schema import Recordings, Stack, group
 from pyport.thresholds import ENOUGH, FEWEST, PER_LABEL, SEVERAL
 
+#: Of so many stretches a variance is known to 14 %. More of them cost memory and time alone.
+MOST_STRETCHES = 100
+
 
 def possible(recordings: Recordings, data: Stack) -> tuple[Departures, ...]:
     """Return the departures that the recordings of a single antenna could show, all of zero size.
@@ -85,8 +88,8 @@ def _nights(recordings: Recordings) -> tuple[str, Codes, tuple[str, ...]]:
     """Return what stands for nights, for each row its number (n,), and the label of each.
 
     Sessions; where there is one, and the order of the rows is all that tells of time, stretches
-    of about `ENOUGH` pointings, for nobody wrote down where a night ends. What makes fewer than
-    `FEWEST` of them is one night.
+    of about `ENOUGH` pointings, `MOST_STRETCHES` of them at most, for nobody wrote down where a
+    night ends. What makes fewer than `FEWEST` of them is one night.
     """
     session, names = group(recordings, ("session",))
     if len(names) > 1 or "order" not in recordings.at:
@@ -97,7 +100,7 @@ def _nights(recordings: Recordings) -> tuple[str, Codes, tuple[str, ...]]:
     place = np.empty(len(order), np.intp)
     place[order] = np.cumsum(begun) - 1
     there = int(begun.sum())
-    count = round(there / ENOUGH)
+    count = min(round(there / ENOUGH), MOST_STRETCHES)
     if count < FEWEST:
         return "session", session, ("",)
     stretch = place * count // there
