@@ -8,10 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pyport.angles import DEG, Array
-from pyport.diagnosis import holdout, joint
+from pyport.diagnosis import joint
 from pyport.diagnosis.candidates import Untestable
 from pyport.diagnosis.case import Problem, measurements
 from pyport.diagnosis.disagreements import Disagreement, disagreements
+from pyport.diagnosis.folds import folds
 from pyport.diagnosis.holdout import Unseen, unseen
 from pyport.diagnosis.naming import findings as reading
 from pyport.diagnosis.naming import guards
@@ -160,7 +161,7 @@ def diagnose(
     after = joint.fit(problem, weighed, outcome.chosen)
     scene = scenes.scene(problem, outcome, after)
     tell("holding data out")
-    partition = holdout.folds(problem, weighed, outcome.chosen)
+    partition = folds(problem, weighed, outcome.chosen)
     held = unseen(problem, (alone, weighed), (), outcome.chosen, partition)
     return Diagnosis(
         problem=problem,
@@ -217,7 +218,7 @@ def searched(problem: Problem, tell: Callable[[str], None]) -> tuple[Outcome, tu
         without = replace(outcome, banned=outcome.banned | changes)
         again, more = settled(averaged(resumed(without, tell)))
         dropped = tuple(dict.fromkeys((*dropped, *more)))
-        partition = holdout.folds(again.problem, again.weighed, again.chosen)
+        partition = folds(again.problem, again.weighed, again.chosen)
         both = outcome.weighed, again.weighed
         before, after = unseen(again.problem, both, outcome.chosen, again.chosen, partition).rms()
         outcome = again if after < before else outcome

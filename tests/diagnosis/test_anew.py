@@ -8,6 +8,7 @@ from diagnosis.made import recordings
 
 from pyport.angles import ARCSEC, DEG
 from pyport.diagnosis import holdout
+from pyport.diagnosis.folds import folds
 from pyport.diagnosis.preparing import prepare
 from pyport.diagnosis.searching.changes import columns_anew
 from pyport.diagnosis.searching.search import search
@@ -48,7 +49,7 @@ def test_what_is_left_out_chooses_nothing(outcome):
 def test_predictions_are_made_with_what_the_others_choose(outcome):
     """No better than with what all chose, and near it where the effect is there."""
     problem, weighed = outcome.problem, outcome.weighed
-    partition = holdout.folds(problem, weighed, outcome.chosen)
+    partition = folds(problem, weighed, outcome.chosen)
     left = holdout.residuals(problem, weighed, outcome.chosen, partition)
     found = np.sqrt(np.nanmean(left**2))
     alone = np.sqrt(np.nanmean(holdout.residuals(problem, weighed, (), partition) ** 2))

@@ -35,7 +35,7 @@ def ground(made, model="altaz"):
 
 def worths(over):
     """Return what every cycle is worth, the best first."""
-    found = map(over.worth_of, cycles.cycles(over.problem, over.weighed, ()))
+    found = map(over.worth_of, cycles.cycles(over))
     return sorted(found, key=lambda one: -one.evidence)
 
 

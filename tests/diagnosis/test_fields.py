@@ -421,13 +421,13 @@ def test_the_best_box_is_the_one_that_was_put_there(refit):
     measured = recordings(1500, 8, y=patch)
     model = completed(fit(measured, load("altaz")))
     problem = prepare(replace(measured, y=measured.y + 20 * ARCSEC), model, refit)
-    weighed = weigh(problem)
-    along = next(one for one in boxes(problem, weighed, ()) if one.variant.startswith("el"))
+    ground = Ground(problem, weigh(problem), ())
+    along = next(one for one in boxes(ground) if one.variant.startswith("el"))
     az, el = along.region
 
     assert (az.low, az.high) == pytest.approx((100, 190), abs=6)
     assert (el.low, el.high) == pytest.approx((25, 50), abs=3)
-    assert Ground(problem, weighed, ()).worth_of(along).evidence > 50
+    assert ground.worth_of(along).evidence > 50
 
 
 def test_noise_alone_is_worth_no_field():

@@ -12,6 +12,7 @@ from pyport.diagnosis import holdout
 from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.case import Chosen
 from pyport.diagnosis.diagnose import diagnose
+from pyport.diagnosis.folds import folds
 from pyport.diagnosis.naming import waves
 from pyport.diagnosis.naming.finding import Parameter
 from pyport.diagnosis.preparing import prepare
@@ -116,7 +117,7 @@ def test_a_wandering_phase_is_predicted_between_its_readings():
     one = oscillations.proposed(problem, weigh(problem).covariance, ())
     problem = problem.with_member(one, one.candidate.effect)[0]
     weighed = weigh(problem, (one,), searching=False)
-    partition = holdout.folds(problem, weighed, (one,))
+    partition = folds(problem, weighed, (one,))
     left = [holdout.residuals(problem, weighed, some, partition) for some in ((), (one,))]
     before, after = (np.sqrt(np.mean(some[problem.stack.is_y] ** 2)) for some in left)
 

@@ -10,7 +10,8 @@ import pytest
 
 import pyport
 from pyport.diagnosis.naming import guards
-from pyport.diagnosis.naming.guards import comes_back, night_numbers
+from pyport.diagnosis.naming.guards import comes_back
+from pyport.diagnosis.naming.nights import night_numbers
 from pyport.effects import CATALOGUE
 from pyport.effects.base import Circumstances
 from pyport.effects.circumstances import NIGHT_GAP_S

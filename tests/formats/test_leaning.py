@@ -109,11 +109,18 @@ def test_a_polar_model_is_no_model_of_azimuth(tmp_path):
     assert convert(str(source), tmp_path / "copy.mod").number == len(POLAR)
 
 
-@pytest.mark.parametrize(("term", "said"), [("TX", "TX")])
-def test_what_gravity_and_air_are_there_is_refused(tmp_path, term, said):
-    """TF would have been P8 alone, TX the cotangent of declination."""
-    source = polar(tmp_path / "polar.mod", **{term: 30.0})
-    with pytest.raises(BadInput, match=said):
+def test_the_gravity_of_a_tube_is_two_terms_there(tmp_path):
+    """P8 alone would be that of declination, not of the tube; P2 is its other half."""
+    source, target = polar(tmp_path / "polar.mod", TF=30.0), tmp_path / "polar.ctl"
+    assert convert(str(source), target, given=FileOptions({"latitude_deg": "-33.5"})).number > 6
+    words = ("--mount", "equatorial", "--set", "latitude_deg=-33.5")
+    assert "moves by 0.00 arcsec rms" in run("compare", source, target, *words).output
+
+
+def test_what_the_air_does_is_no_cotangent_of_declination(tmp_path):
+    """TX has no counterpart on such a mount."""
+    source = polar(tmp_path / "polar.mod", TX=30.0)
+    with pytest.raises(BadInput, match="TX"):
         convert(str(source), tmp_path / "p.ctl", given=FileOptions({"latitude_deg": "-33.5"}))
 
 

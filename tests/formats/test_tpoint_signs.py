@@ -10,7 +10,7 @@ from pyport.angles import ARCSEC
 from pyport.effects import Circumstances
 from pyport.errors import BadInput
 from pyport.examiner.worlds.mount import Mount, Wave, axes, readings
-from pyport.formats import tpoint_mod
+from pyport.formats import models, tpoint_mod
 from pyport.models.terms import field_system, tpoint
 from pyport.recordings import read
 
@@ -177,3 +177,30 @@ def test_a_model_without_its_end_may_be_cut_off(tmp_path):
 
     with pytest.raises(BadInput, match=r"cut.mod:3: no line END below the terms"):
         tpoint_mod.read(path)
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "said"),
+    [
+        ("IA 1\nIE 2\n IA 3\nEND\n", 5, "IA stands twice, expected each term once"),
+        ("IA 1\nEND\nsecond\nT 0 0 0 0\nIE 2\nEND\n", 5, "below END, expected one model"),
+        ("IA 1e12\nEND\n", None, "IA is 1E.12 arcsec, expected less than a turn"),
+    ],
+)
+def test_a_model_that_says_too_much_is_refused(tmp_path, text, line, said):
+    """The terms were added up, the second model was lost, and a turn of an axis is none."""
+    path = tmp_path / "model.mod"
+    path.write_text(f"two\nT 0 0 0 0\n{text}")
+    with pytest.raises(BadInput, match=said) as refused:
+        models.read(path)
+    assert refused.value.line == line
+
+
+def test_a_first_axis_that_rises_beyond_the_zenith_is_refused(tmp_path):
+    """Phi is an elevation."""
+    path = tmp_path / "model.toml"
+    path.write_text(
+        'vocabulary = "field-system"\nphi_deg = 95\n[[term]]\nname = "P1"\nvalue_deg = 0.1\n'
+    )
+    with pytest.raises(BadInput, match="phi is 95 deg, expected -90 to 90"):
+        models.read(path)

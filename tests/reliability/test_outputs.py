@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import stat
 import subprocess
 import sys
 import threading
@@ -15,7 +16,7 @@ import pytest
 from pyport.examiner.sealed import seal
 from pyport.examiner.sealed.protocol import Spec
 from pyport.examiner.sealed.record.published import read_answers, read_seal
-from pyport.files import ABANDONED_S, tree, write_whole
+from pyport.files import ABANDONED_S, tree, write_file, write_whole
 
 TABLE = (sys.executable, "-m", "pyport", "table", "--az", "0:100:1", "-o")
 
@@ -118,6 +119,33 @@ def test_what_a_killed_run_left_is_removed_an_hour_later(tmp_path):
         file.write("whole")
 
     assert sorted(one.name for one in tmp_path.iterdir()) == [young.name, other.name, "f"]
+
+
+def test_what_a_link_names_is_replaced(tmp_path):
+    """A model in use that is a link stayed old: the link became a file of its own."""
+    (tmp_path / "models").mkdir()
+    there, link = tmp_path / "models" / "night.mod", tmp_path / "current.mod"
+    there.write_text("old")
+    there.chmod(0o640)
+    link.symlink_to(there)
+    write_file(link, "new")
+
+    assert link.is_symlink()
+    assert there.read_text() == "new"
+    assert stat.S_IMODE(there.stat().st_mode) == 0o640
+
+
+def test_a_pipe_stays_one(tmp_path):
+    """Whoever waits at its end gets what is written; it became a file."""
+    pipe, got = tmp_path / "pipe", []
+    os.mkfifo(pipe)
+    reader = threading.Thread(target=lambda: got.append(pipe.read_text()), daemon=True)
+    reader.start()
+    write_file(pipe, "some rows")
+    reader.join(10)
+
+    assert got == ["some rows"]
+    assert stat.S_ISFIFO(pipe.stat().st_mode)
 
 
 def test_a_seal_that_points_elsewhere_is_refused(tmp_path):

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pyport.angles import Array
-from pyport.diagnosis import holdout
 from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.disagreements import cuts
+from pyport.diagnosis.folds import folds
 from pyport.diagnosis.holdout import unseen
 from pyport.diagnosis.joint import Joint, combined, contribution, rms, sigmas, without_found
 from pyport.diagnosis.naming.classes import agrees
@@ -171,7 +171,7 @@ def held_out(
     """Compare predictions of unseen readings with and without an effect."""
     problem, weighed = scene.problem, scene.weighed
     new = [one for one in after if not any(one is old for old in before)]
-    partition = holdout.folds(problem, weighed, new)
+    partition = folds(problem, weighed, new)
     found = unseen(problem, (weighed, weighed), tuple(before), tuple(after), partition)
     return found.compared(rows, weighed.covariance.floor)
 

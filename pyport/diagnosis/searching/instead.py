@@ -89,12 +89,9 @@ def _best_in_place(
 
 def _best(ground: Ground, of_time: Sequence[bool]) -> Worth | None:
     """Return the field that stands highest of those that last, and of those in time."""
-    problem, weighed, chosen = ground.problem, ground.weighed, ground.chosen
     worths = list(ground.worths(of_time))
     if False in of_time:
-        worths += map(ground.worth_of, boxes(problem, weighed, chosen))
-        worths += map(ground.worth_of, sectors(ground))
-        worths += map(ground.worth_of, cycles(problem, weighed, chosen))
+        worths += map(ground.worth_of, (*boxes(ground), *sectors(ground), *cycles(ground)))
     return max(worths, key=_standing, default=None)
 
 

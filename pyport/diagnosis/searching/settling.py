@@ -11,8 +11,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pyport.diagnosis import holdout, joint
+from pyport.diagnosis import joint
 from pyport.diagnosis.case import Chosen, confounded
+from pyport.diagnosis.folds import folds
 from pyport.diagnosis.holdout import unseen
 from pyport.diagnosis.naming import classes
 from pyport.diagnosis.naming.classes import TIE
@@ -163,7 +164,7 @@ def _worst(outcome: Outcome) -> tuple[Chosen, str] | None:
     problem, weighed, chosen = outcome.problem, outcome.weighed, outcome.chosen
     idle: list[tuple[Chosen, str]] = []
     for one in chosen:
-        partition = holdout.folds(problem, weighed, (one,))
+        partition = folds(problem, weighed, (one,))
         found = unseen(problem, (weighed, weighed), outcome.others(one), chosen, partition)
         before, after = found.rms()
         if before - after <= PAYS * (found.fall_sigma(found.counted, partition.fewest) or 0.0):
@@ -198,7 +199,7 @@ def _harm_to_all(outcome: Outcome) -> Chosen | None:
     """Return the choice that all others do best without, where all do no better than the model."""
     problem, weighed, chosen = outcome.problem, outcome.weighed, outcome.chosen
     alone = weigh_model(problem, (), searching=False)
-    partition = holdout.folds(problem, weighed, chosen)
+    partition = folds(problem, weighed, chosen)
 
     def rms_with(some: tuple[Chosen, ...]) -> tuple[float, float]:
         return unseen(problem, (alone, weighed), (), some, partition).rms()

@@ -10,7 +10,8 @@ import numpy as np
 from pyport.diagnosis.candidates import Blocks, Candidate
 from pyport.diagnosis.case import Chosen, Problem, confounded
 from pyport.diagnosis.evidence import Projection
-from pyport.diagnosis.holdout import folds, unseen_misfit
+from pyport.diagnosis.folds import folds
+from pyport.diagnosis.holdout import unseen_misfit
 from pyport.diagnosis.naming import classes
 from pyport.diagnosis.searching.confirmed_changes import Changes
 from pyport.diagnosis.searching.contenders import (

@@ -7,12 +7,10 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from pyport.angles import DEG, Array
-from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.naming.finding import Interval
 from pyport.diagnosis.shapes.edges import climbed
 from pyport.diagnosis.shapes.fields import Ground
 from pyport.diagnosis.shapes.forms import Field
-from pyport.diagnosis.weighing import WhitenedData, plain_view
 from pyport.effects.empirical import fields
 from pyport.effects.empirical.fields import Bumps, inside
 from pyport.thresholds import FEWEST
@@ -28,9 +26,9 @@ _FIRST = 6 * DEG
 Edges = Array
 
 
-def boxes(problem: Problem, weighed: WhitenedData, chosen: tuple[Chosen, ...]) -> list[Field]:
+def boxes(ground: Ground) -> list[Field]:
     """Return the box of each axis whose offset explains most of what a model leaves."""
-    seen = plain_view(problem, weighed.covariance, chosen)
+    problem, seen = ground.problem, ground.plain
     at, row = problem.recordings.at, problem.stack.row
     az, el = at.az % (2 * np.pi), at.el
     found = []
@@ -105,12 +103,14 @@ def _sector(
     problem = ground.problem
     own = problem.stack.is_y == (axis == "el")
 
-    def column(edges: Edges) -> Array:
-        values = fields.values(bumps_of(float(edges[0]), float(edges[1])), problem.recordings.at)
-        return values[problem.stack.row] * own[:, None]
+    def column(bumps: Bumps) -> Array:
+        return fields.values(bumps, problem.recordings.at)[problem.stack.row] * own[:, None]
+
+    def between(edges: Edges) -> Bumps:
+        return bumps_of(float(edges[0]), float(edges[1]))
 
     cells = len(cuts) - 1
-    each = [column(cuts[n : n + 2]) for n in range(cells)]
+    each = [column(between(cuts[n : n + 2])) for n in range(cells)]
     information, _, moments = ground.products(np.hstack(each))
 
     def gain(low: int, up: int) -> float:
@@ -124,17 +124,18 @@ def _sector(
         if up - low < cells
     ]
     best = max(tried, key=lambda ends: gain(*ends))
-    edges = _widest(lambda one: ground.gain(column(one)), cuts[list(best)])
+    edges = _widest(lambda one: ground.gain(column(between(one))), cuts[list(best)])
+    bumps = between(edges)
     turn = 360.0 if axis == "xel" else np.inf
     low, high = (float(edge / DEG % turn) for edge in edges)
     return Field(
         "an offset of an angle",
         f"{axis}: {name} off from {low:.1f} to {high:.1f}",
-        column(edges),
+        column(bumps),
         problem.stack.is_y,
         len(tried),
         region=(Interval(name, low, high),),
-        bumps=bumps_of(float(edges[0]), float(edges[1])),
+        bumps=bumps,
         axes=(int(axis == "el"),),
         which=(0,),
     )

@@ -12,9 +12,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pyport.angles import DEG, Array
-from pyport.diagnosis.case import Chosen, Problem
+from pyport.diagnosis.case import Problem
+from pyport.diagnosis.shapes.fields import Ground
 from pyport.diagnosis.shapes.forms import HARMONICS, Field
-from pyport.diagnosis.weighing import View, WhitenedData, plain_view
+from pyport.diagnosis.weighing import View
 from pyport.effects.base import Circumstances
 from pyport.effects.empirical import fields
 from pyport.effects.empirical.fields import Bumps
@@ -66,9 +67,9 @@ class _Angle:
         return [one for one in (some, whole[whole * length >= PERIODS_ALONE]) if len(one)]
 
 
-def cycles(problem: Problem, weighed: WhitenedData, chosen: tuple[Chosen, ...]) -> Iterator[Field]:
+def cycles(ground: Ground) -> Iterator[Field]:
     """Yield the cycles along each angle that explain most of what a model leaves, axis by axis."""
-    seen = plain_view(problem, weighed.covariance, chosen)
+    problem, seen = ground.problem, ground.plain
     angles = [*_angles(problem.recordings.at)]
     kinds = sum(len(one.turns) * len(one.axes) for one in angles)
     for angle in angles:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -20,7 +21,7 @@ from pyport.diagnosis.case import Chosen, Problem
 from pyport.diagnosis.naming.finding import Interval
 from pyport.diagnosis.shapes.forms import Field, families
 from pyport.diagnosis.trial import at_best, of_equal_prior
-from pyport.diagnosis.weighing import WhitenedData
+from pyport.diagnosis.weighing import View, WhitenedData, plain_view
 from pyport.effects.empirical.fields import field as as_effect
 from pyport.fitting.combinations import HIDDEN
 from pyport.least_squares.gram import inverted, spanned
@@ -87,6 +88,11 @@ class Ground:
         there = np.any(self.basis != 0, axis=1) | (self.left != 0)
         self.whole = self._part(slice(None))
         self.axes = [self._part(np.flatnonzero((is_y == one) & there)) for one in (False, True)]
+
+    @cached_property
+    def plain(self) -> View:
+        """Return the readings beside the model, each by itself."""
+        return plain_view(self.problem, self.weighed.covariance, self.chosen)
 
     def _part(self, rows: Codes | slice) -> _Rows:
         return _Rows(rows, self.basis[rows], self.left[rows])

@@ -9,6 +9,7 @@ from diagnosis.decisions.stubs import beside, candidate, problem_with, rows_with
 
 from pyport.diagnosis import holdout, joint
 from pyport.diagnosis.case import Chosen
+from pyport.diagnosis.folds import Folds, folds
 from pyport.diagnosis.naming import scene
 from pyport.diagnosis.searching import settling
 from pyport.diagnosis.searching.turns import Outcome
@@ -43,7 +44,7 @@ def weighed(*, departing=False):
 
 
 @pytest.mark.parametrize(
-    ("sessions", "folds", "whole"),
+    ("sessions", "count", "whole"),
     [
         (3, 3, True),
         (2, 10, False),
@@ -56,12 +57,12 @@ def weighed(*, departing=False):
         (30, 20, True),
     ],
 )
-def test_whole_sessions_are_left_out_from_three_on(sessions, folds, whole):
+def test_whole_sessions_are_left_out_from_three_on(sessions, count, whole):
     """Twenty folds at most; of fewer sessions five blocks of time in each."""
-    found = holdout.folds(problem(sessions=sessions), weighed(), (chosen(),))
+    found = folds(problem(sessions=sessions), weighed(), (chosen(),))
 
     assert ("session out" in found.scheme or "whole sessions" in found.scheme) == whole
-    assert len(np.unique(found.fold)) == (folds if whole else 5)
+    assert len(np.unique(found.fold)) == (count if whole else 5)
     assert not found.departing
 
 
@@ -77,7 +78,7 @@ def test_whole_sessions_are_left_out_from_three_on(sessions, folds, whole):
 )
 def test_what_belongs_to_a_session_is_tested_within_it(choice, departing, counts):
     """A change must do better than the model alone: no departure is granted to it."""
-    found = holdout.folds(problem(), weighed(departing=departing), (choice,))
+    found = folds(problem(), weighed(departing=departing), (choice,))
 
     own = ", what a session departs by predicted from its others" if counts else ""
     assert found.scheme == f"leave blocks of time out, five in each session{own}"
@@ -90,7 +91,7 @@ def test_what_belongs_to_a_session_is_tested_within_it(choice, departing, counts
 )
 def test_blocks_are_of_time_and_even(effect, apart):
     """Each session is cut into five; of what goes with the hour they lack different ones."""
-    found = holdout.folds(problem(rows=100, sessions=2), weighed(), (chosen(effect),))
+    found = folds(problem(rows=100, sessions=2), weighed(), (chosen(effect),))
 
     assert found.fold[:50].tolist() == np.repeat(np.arange(5), 10).tolist()
     assert found.fold[50:].tolist() == ((found.fold[:50] + apart) % 5).tolist()
@@ -99,7 +100,7 @@ def test_blocks_are_of_time_and_even(effect, apart):
 @pytest.mark.parametrize("rows", [100, 7])
 def test_without_times_pointings_are_dealt_to_ten_folds(rows):
     """Evenly."""
-    found = holdout.folds(problem(rows=rows, sessions=1, times=False), weighed(), ())
+    found = folds(problem(rows=rows, sessions=1, times=False), weighed(), ())
 
     assert found.scheme == "leave pointings out, ten folds"
     assert np.bincount(found.fold).tolist() == [max(1, rows // 10)] * min(10, rows)
@@ -118,14 +119,14 @@ def test_what_came_back_is_held_to_pointings(until, beside, scheme):
     back = chosen("epoch_offset")
     effect = epoch_step(1e9, until=until)
     back = replace(back, candidate=replace(back.candidate, effect=effect))
-    found = holdout.folds(problem(rows=100, sessions=2), weighed(), (back, *beside))
+    found = folds(problem(rows=100, sessions=2), weighed(), (back, *beside))
 
     assert found.scheme.startswith(f"leave {scheme} out")
 
 
 def test_scans_of_an_array_are_left_out_whole():
     """In ten folds."""
-    found = holdout.folds(problem(sessions=2, antennas=5, scans=True), weighed(), ())
+    found = folds(problem(sessions=2, antennas=5, scans=True), weighed(), ())
 
     assert found.scheme == "leave whole scans out, ten folds"
     assert len(np.unique(found.fold)) == 10
@@ -207,7 +208,7 @@ def test_a_fold_is_predicted_by_a_fit_without_it(monkeypatch):
 
     monkeypatch.setattr(holdout, "replace", lambda _, weights: White(weights))
     of = SimpleNamespace(covariance=White(np.ones(20)), weights=np.ones(20))
-    partition = holdout.Folds("", np.arange(20) % 4)
+    partition = Folds("", np.arange(20) % 4)
     left = holdout.residuals(case, of, (), partition)
     others = np.arange(20) % 4 != 1
     slope = (column[others, 0] @ case.residual[others]) / (column[others, 0] @ column[others, 0])
@@ -236,7 +237,7 @@ def unseen(monkeypatch, first, second, fold):
         session=np.zeros(len(first), int),
         series=np.ones(len(first), int),
     )
-    return holdout.unseen(case, (None, None), (), (), holdout.Folds("", np.asarray(fold)))
+    return holdout.unseen(case, (None, None), (), (), Folds("", np.asarray(fold)))
 
 
 @pytest.mark.parametrize(
@@ -297,7 +298,7 @@ def settled(
     monkeypatch.setattr(settling, "unseen", of)
     monkeypatch.setattr(settling, "weigh_model", lambda *_, **__: None)
     partition = partition or SimpleNamespace(fewest=3)
-    monkeypatch.setattr(settling.holdout, "folds", lambda *_: partition)
+    monkeypatch.setattr(settling, "folds", lambda *_: partition)
     monkeypatch.setattr(settling.joint, "fit", lambda *_: None)
     own, weighed = len(problem_with().base), SimpleNamespace(covariance=None)
     monkeypatch.setattr(settling.joint, "distance", lambda _fit, n: sigmas[n - own])
@@ -386,7 +387,7 @@ def test_a_finding_must_pay_by_more_than_its_error(
 ):
     """The rms falls by 0.2; where few sessions, or blocks, tell its error any fall will do."""
     rms = {"refraction": 1.0, "": 1.2}
-    partition = holdout.folds(problem(sessions=sessions), weighed(), (chosen(),))
+    partition = folds(problem(sessions=sessions), weighed(), (chosen(),))
 
     found = settled(monkeypatch, rms, (30.0,), error, stretches, partition=partition)
     assert found == dropped
@@ -523,7 +524,7 @@ def with_offsets(rng: np.random.Generator, stretches: int = STRETCHES) -> holdou
     stretch = np.repeat(np.arange(stretches), LENGTH)
     noise = rng.normal(size=len(stretch)) + rng.normal(size=stretches)[stretch]
     cause = np.tile(np.sin(np.arange(LENGTH)), stretches)
-    partition = holdout.Folds("", stretch)
+    partition = Folds("", stretch)
     return holdout.Unseen(partition, stretch, noise + 2 * cause, noise, np.ones(len(stretch), bool))
 
 

@@ -12,6 +12,7 @@ from pyport.diagnosis.candidates import Candidate
 from pyport.diagnosis.naming import classes, guards, scene
 from pyport.diagnosis.naming import verdict as resampling
 from pyport.diagnosis.naming.finding import Evidence, Finding, Stability, Where
+from pyport.diagnosis.naming.nights import goes_with_the_hour, nights
 from pyport.diagnosis.naming.verdict import judged
 from pyport.effects import CATALOGUE, Coefficient
 from pyport.effects.empirical import driven, drivers
@@ -458,7 +459,7 @@ def test_a_night_has_four_pointings(rows, counted):
     first = 1e9 + 600.0 * np.arange(10)
     second = first[-1] + 86400 + 600.0 * np.arange(rows)
 
-    assert guards.nights(scene_of(np.concatenate([first, second]))) == counted
+    assert nights(scene_of(np.concatenate([first, second]))) == counted
 
 
 def test_a_pointing_that_is_recorded_often_makes_no_night():
@@ -467,7 +468,7 @@ def test_a_pointing_that_is_recorded_often_makes_no_night():
     scene = scene_of(times)
     scene.problem.pointing = np.append(np.arange(10), np.full(4, 10))
 
-    assert guards.nights(scene) == 1
+    assert nights(scene) == 1
 
 
 def test_what_is_lacking_is_said_in_pointings():
@@ -484,7 +485,7 @@ def test_a_run_without_a_gap_counts_by_days(days, counted):
     """Of recordings that go on day and night each day is one."""
     times = 1e9 + np.linspace(0, days * 86400, 200)
 
-    assert guards.nights(scene_of(times)) == counted
+    assert nights(scene_of(times)) == counted
 
 
 @pytest.mark.parametrize(
@@ -497,10 +498,7 @@ def test_what_a_cubic_in_time_draws_went_with_the_hour(noise, went):
     other = np.cos(40 * np.pi * phase)
     values = smooth / smooth.std() + noise * other / other.std()
 
-    assert (
-        guards.goes_with_the_hour(scene_of(1e9 + 9 * HOURS * phase, values), "temperature_c")
-        == went
-    )
+    assert goes_with_the_hour(scene_of(1e9 + 9 * HOURS * phase, values), "temperature_c") == went
 
 
 def test_a_quartic_is_more_than_one_night_does():
@@ -509,10 +507,8 @@ def test_a_quartic_is_more_than_one_night_does():
     quartic = np.polynomial.legendre.legval(phase, [0, 0, 0, 0, 1])
     cubic = np.polynomial.legendre.legval(phase, [0, 0, 0, 1])
 
-    assert guards.goes_with_the_hour(scene_of(1e9 + 9 * HOURS * phase, cubic), "temperature_c")
-    assert not guards.goes_with_the_hour(
-        scene_of(1e9 + 9 * HOURS * phase, quartic), "temperature_c"
-    )
+    assert goes_with_the_hour(scene_of(1e9 + 9 * HOURS * phase, cubic), "temperature_c")
+    assert not goes_with_the_hour(scene_of(1e9 + 9 * HOURS * phase, quartic), "temperature_c")
 
 
 @pytest.mark.parametrize(

@@ -896,7 +896,7 @@ def test_names_get_back_the_place_of_what_was_dropped(monkeypatch, dropped, afte
     monkeypatch.setattr(diagnose, "resumed", resumed)
     monkeypatch.setattr(diagnose, "averaged", lambda now: now)
     monkeypatch.setattr(diagnose, "settled", lambda now: (now, (one,)))
-    monkeypatch.setattr(diagnose.holdout, "folds", lambda *_: None)
+    monkeypatch.setattr(diagnose, "folds", lambda *_: None)
     told = SimpleNamespace(rms=lambda: (3.0, after))
     monkeypatch.setattr(diagnose, "unseen", lambda *_: told)
 
