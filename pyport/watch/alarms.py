@@ -28,6 +28,8 @@ HALF = 0.5
 #: A name with this much of the probability is preferred if it has already been given to a
 #: standing alarm: what comes back is the same thing.
 STANDING = 0.02
+#: The ids of effects that are one change, and what they are called in words.
+Names = tuple[tuple[str, ...], tuple[str, ...]]
 #: The states of an alarm.
 RAISED, CONFIRMED, WITHDRAWN, OVER = "raised", "confirmed", "withdrawn", "over"
 
@@ -66,6 +68,9 @@ class Alarm:
     #: What it could be, likeliest first: effects that cannot be distinguished, and the probability
     #: of them together.
     members: list[tuple[tuple[str, ...], float]] = field(default_factory=list)
+    called: list[str] = field(default_factory=list)  #: what each of these is called in words
+    #: Effect, whether it was named, and `stood`, as an event said them last.
+    said: list[Any] = field(default_factory=list)
     #: Name, value, sigma and unit of what changed.
     parameters: list[dict[str, Any]] = field(default_factory=list)
     moves_arcsec: float = 0.0  #: rms that it adds to the pointings of the past
@@ -90,14 +95,30 @@ class Alarm:
         """Tell whether one effect alone has nearly all of the probability."""
         return len(self.members) == 1 and len(self.members[0][0]) == 1
 
+    def news(self) -> bool:
+        """Tell whether it is another one than an event said last; from now on it is said.
+
+        A name is until it is excluded, or another one has nearly all of the probability.
+        """
+        now = [self.effect, self.named, self.stood]
+        effect, _, stood = self.said or now
+        among = any(effect in alike for alike, _ in self.members)
+        news = (
+            not self.said or self.stood != stood or not among or (self.named and now != self.said)
+        )
+        if news:
+            self.said = now
+        return news
+
     def as_json(self, *, timed: bool) -> dict[str, Any]:
         """Return it as JSON holds it; times as ISO 8601 where pointings have times."""
         found = asdict(self)
+        del found["said"]
         for key in ("raised", "since", "since_low", "since_high", "ended", "back"):
             found[key] = moment(found[key], timed=timed)
         found["members"] = [
-            {"effects": list(alike), "probability": round(chance, 4)}
-            for alike, chance in self.members
+            {"effects": list(alike), "called": words, "probability": round(chance, 4)}
+            for (alike, chance), words in zip(self.members, found.pop("called"), strict=True)
         ]
         found["class"] = [one for alike, _ in self.members for one in alike]
         found["log10_likelihood_ratio"] = round(found.pop("log_ratio") / math.log(10), 2)
@@ -112,17 +133,26 @@ def moment(value: float | None, *, timed: bool) -> str | float | None:
     return utc(value) if timed else value
 
 
-def members(names: Sequence[tuple[str, ...]], chance: Array) -> list[tuple[tuple[str, ...], float]]:
+def members(names: Sequence[Names], chance: Array) -> list[tuple[Names, float]]:
     """Return what makes up `NAMED` of the probability together, likeliest first.
 
-    `names` are the ids of all effects that each change stands for, `chance` is its probability.
+    `names` are those that each change stands for, `chance` is its probability.
     """
-    total: dict[tuple[str, ...], float] = {}
+    total: dict[Names, float] = {}
     for alike, one in zip(names, chance, strict=True):
         total[alike] = total.get(alike, 0.0) + float(one)
     order = sorted(total.items(), key=lambda item: -item[1])
     reached = np.cumsum([one for _, one in order])
     return order[: 1 + int(np.searchsorted(reached, NAMED))]
+
+
+def _list(alarm: Alarm, names: Sequence[Names], chance: Array, change: int) -> None:
+    """Say what an alarm could be, the change that it is taken for first."""
+    found = members(names, chance)
+    found.sort(key=lambda one: (one[0] != names[change], -one[1]))
+    alarm.members = [(ids, each) for (ids, _), each in found]
+    alarm.called = [" or ".join(words) for (_, words), _ in found]
+    alarm.effect = names[change][0][0]
 
 
 def describe(alarm: Alarm, change: Change) -> None:
@@ -133,7 +163,7 @@ def describe(alarm: Alarm, change: Change) -> None:
     )
     pattern = effect.pattern or effect.sentence
     if alarm.stood:
-        some = " or ".join(one for alike, _ in alarm.members[:_SHOWN] for one in alike)
+        some = " or ".join(alarm.called[:_SHOWN])
         alarm.sentence = (
             f"{pattern}: {effect.sentence}; {sizes}, as if it had always been so:"
             f" the past did not show it; could be {some}"
@@ -143,11 +173,11 @@ def describe(alarm: Alarm, change: Change) -> None:
     back = ", and went back" * (alarm.went_back > HALF)
     if alarm.named:
         alarm.sentence = f"{pattern}: {effect.sentence}; changed by {sizes}{back}"
-        alarm.next = f"check it at the telescope; if it stays, fit {alarm.effect} anew"
+        alarm.next = f"check it at the telescope; if it stays, fit {change.called[0]} anew"
         return
-    likely = alarm.members[:_SHOWN]
-    some = "; ".join(f"{' or '.join(alike)} ({chance:.0%})" for alike, chance in likely)
-    which = f"if it is {alarm.effect}; could be {some}"
+    likely = zip(alarm.called, alarm.members[:_SHOWN], strict=False)
+    some = "; ".join(f"{words} ({chance:.0%})" for words, (_, chance) in likely)
+    which = f"if it is {change.called[0]}; could be {some}"
     alarm.sentence = f"{pattern}; changed by {sizes}{back}, {which}"
     ids = [one for alike, _ in alarm.members for one in alike if one not in SPREADS]
     alarm.next = decide_by(ids[:2]) or "go on observing: more pointings will tell"
@@ -162,10 +192,11 @@ def name(watch: Antenna, alarm: Alarm, every: dict[int, Alarm]) -> tuple[int, in
     total = float(logsumexp(joint))
     chance = np.exp(joint - total)
     some = watch.baseline.changes
-    names: list[tuple[str, ...]] = [*(one.alike for one in some), *((one,) for one in SPREADS)]
-    alarm.members = members(names, chance.sum(axis=0))
-    change = int(np.argmax(chance.sum(axis=0)))  # of one effect's sizes the likelier one
-    likely = {one for alike, _ in alarm.members for one in alike}
+    names: list[Names] = [(one.alike, one.called) for one in some]
+    names += [((one,), (one.replace("_", " in "),)) for one in SPREADS]
+    whole = chance.sum(axis=0)
+    change = int(np.argmax(whole))  # of one effect's sizes the likelier one
+    likely = {one for (alike, _), _ in members(names, whole) for one in alike}
     for slot in watch.slots:
         if every[slot.alarm].effect in likely and chance[:, slot.change].sum() > STANDING:
             change = slot.change
@@ -173,8 +204,7 @@ def name(watch: Antenna, alarm: Alarm, every: dict[int, Alarm]) -> tuple[int, in
     of_kind = own.stays == (alarm.went_back <= HALF)
     start = int(np.argmax(np.where(of_kind, chance[:, change], -1.0)))
     alarm.back = float(own.back[start])
-    alarm.effect = names[change][0]
-    alarm.members.sort(key=lambda one: (alarm.effect not in one[0], -one[1]))
+    _list(alarm, names, whole, change)
     alarm.log_ratio = total
     _date(own, alarm, start, chance)
     if change >= layout.members:
@@ -195,9 +225,7 @@ def _name_omitted(watch: Antenna, alarm: Alarm) -> int:
     chance = np.exp(joint - alarm.log_ratio)
     changes = watch.baseline.changes
     change = int(np.argmax(chance))
-    alarm.members = members([one.alike for one in changes], chance)
-    alarm.effect = changes[change].alike[0]
-    alarm.members.sort(key=lambda one: (alarm.effect not in one[0], -one[1]))
+    _list(alarm, [(one.alike, one.called) for one in changes], chance, change)
     size = len(changes[change].prior)
     covariance = own.covariance[0, change, :size, :size] * float(watch.null.scale.mean())
     resize(watch, alarm, change, own.mean[0, change, :size], covariance)

@@ -11,7 +11,9 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 from pyport.effects.circumstances import NIGHT_GAP_S
+from pyport.effects.mounts import MOUNT
 from pyport.errors import BadInput
+from pyport.mounts import ALTAZ
 from pyport.recordings import read
 from pyport.recordings import write as write_recordings
 from pyport.recordings.notes import FEWEST_ROWS, KEY
@@ -28,6 +30,8 @@ STATE, HISTORY, LOCK = "state.npz", "history.csv", "lock"
 #: So often the state is kept while nothing happens [s]: what came since is read from the log again
 #: after a kill. It waits for the disk longer than all else takes; an event waits for it, always.
 KEPT_EVERY_S = 30.0
+#: Header keys without which rows mean something else, and what no line stands for.
+STATED = {"azimuth_zero": "north", MOUNT: ALTAZ.id, "latitude_deg": "", "longitude_deg": ""}
 #: Times further ahead of this machine's clock are said to be in the future [s]: a day, so that no
 #: time zone is taken for it.
 DAY_S = 86400.0
@@ -68,6 +72,7 @@ class Process:
     _early: list[Recordings] = field(default_factory=list)
     #: Rows of the log that came with each kind of note.
     _noted: Counter[str] = field(default_factory=Counter)
+    _compared: bool = False
 
     def __post_init__(self) -> None:
         """Take up the state that an earlier process left."""
@@ -147,6 +152,7 @@ class Process:
         self._complain(batch)
         if batch.recordings is None:
             return []
+        self._complain_of_header(watch, batch.recordings)
         self._complain_of_times(watch, batch.recordings)
         try:
             return list(watch.replay(batch.recordings))
@@ -171,6 +177,19 @@ class Process:
         for one in batch.skipped:
             self.left_out[one.reason] += 1
             self.complain(f"{self.options.log}:{one.line}: {one.reason}: left out")
+
+    def _complain_of_header(self, watch: Watch, recordings: Recordings) -> None:
+        """Say once what the past states of how its rows are read, and the log does not."""
+        if self._compared:
+            return
+        self._compared = True
+        for key, nothing in STATED.items():
+            past, now = (one.meta.get(key, nothing) for one in (watch.history, recordings))
+            if past and now != past:
+                wrong = (
+                    f"'# {key}: {past}' in the past, {f'{now!r}' if now else 'nothing'} in the log"
+                )
+                self.complain(f"warning: {self.options.log}: {wrong}")
 
     def _complain_of_times(self, watch: Watch, recordings: Recordings) -> None:
         """Say which rows come from the future or begin to be of another night before.

@@ -46,7 +46,10 @@ def take(watch: Antenna, rows: Rows, n: int, every: dict[int, Alarm], number: in
         if np.isfinite(rows.value[n, axis]):
             _reading(watch, rows, n, axis)
     happened = _judge(watch, rows, n, every, number)
-    return happened + _stand(watch, rows, n, every)
+    stands = _stand(watch, rows, n, every)
+    # what as a state of its own is no likelier than none was not confirmed
+    at_once = {one.replace("withdrawn", "confirmed") for one in stands}
+    return [one for one in happened if one not in at_once] + stands
 
 
 def _reading(watch: Antenna, rows: Rows, n: int, axis: int) -> None:
@@ -74,7 +77,6 @@ def _judge(watch: Antenna, rows: Rows, n: int, every: dict[int, Alarm], number: 
         alarm.state, alarm.ended = WITHDRAWN, float(rows.clock[n])
         _afresh(watch)
         return [f"withdrawn {alarm.number}"]
-    was = alarm.effect, alarm.named, alarm.stood
     alarm.stood = alarm.stood and evidence < watch.threshold
     best = name(watch, alarm, every)
     age = watch.rows - alarm.raised_row
@@ -84,8 +86,8 @@ def _judge(watch: Antenna, rows: Rows, n: int, every: dict[int, Alarm], number: 
     known_to_stay = alarm.went_back < 1 - NAMED
     if at_last or (age >= NAMING and len(alarm.members) == 1 and known_to_stay):
         return _confirm(watch, alarm, best, every)
-    known = alarm.effect, alarm.named, alarm.stood
-    return [f"renamed {alarm.number}"] if known != was and alarm.members[0][1] > HALF else []
+    likely = alarm.members[0][1] > HALF
+    return [f"renamed {alarm.number}"] if likely and alarm.news() else []
 
 
 def _raise(
@@ -97,6 +99,7 @@ def _raise(
     watch.unchanged_covariance = watch.standing.covariance.copy()
     every[number] = Alarm(number, watch.baseline.antenna, clock, watch.rows, stood=stood)
     start, _ = name(watch, every[number], every)
+    every[number].news()
     for level in watch.nulls.levels:
         if not stood:
             level.null.scale = watch.detector.before[start, :2].copy()

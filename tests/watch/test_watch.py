@@ -80,7 +80,7 @@ def test_what_goes_back_after_it_was_confirmed_is_over():
     """The second alarm holds the sum, which is nothing."""
     drawn = world(step=False)
     rows = np.arange(len(drawn.watched["az_deg"]))
-    off = 5 * drawn.sigma * ((rows >= 20) & (rows < 60))
+    off = 5 * drawn.sigma * ((rows >= 20) & (rows < 90))
     watch = pyport.Watch(drawn.past, header=drawn.header)
     list(watch.replay(drawn.watched | {"d_el_arcsec": drawn.watched["d_el_arcsec"] + off}))
 

@@ -11,15 +11,15 @@ from numpy.typing import NDArray
 
 from pyport.angles import Array
 from pyport.effects import CATALOGUE, Circumstances, Effect, MissingColumn
-from pyport.thresholds import ALIKE
+from pyport.thresholds import IDENTICAL
 
 #: Rms of a change before it is seen, over the scatter of a reading: the middle of the changes
 #: that matter. One that is three times larger or smaller is seen about one pointing later.
 EXPECTED = 3.0
-#: What is done to a mount may be far larger: taken apart and put together again.
+#: What is done to a telescope may be far larger: taken apart, a correction switched off.
 WORKED_ON = 30.0
-#: Share of the alarms' budget for changes of the mount from one state to another (zeros, tilt,
-#: sag), and for scatter and outliers; the other effects of the catalogue share what is left.
+#: Share of the alarms' budget for changes of what the model has (zeros, tilt, sag), and for
+#: scatter and outliers; the other effects of the catalogue share what is left.
 MOUNT_SHARE, SPREAD_SHARE = 0.4, 0.2
 #: A change of more coefficients is not learnt within a night: each part of it is watched for.
 MOST_TOGETHER = 8
@@ -35,8 +35,10 @@ class Change:
     """An effect whose coefficients may change."""
 
     effect: Effect  #: it, or the member of its family, as if it had always been there
-    #: Ids of all effects that the past recordings cannot distinguish from it, itself first.
+    #: Ids of all effects that the past recordings cannot distinguish from it, itself first, and
+    #: what they are called in a sentence.
     alike: tuple[str, ...]
+    called: tuple[str, ...]
     share: float  #: of the alarms' budget
     expected: float  #: rms that the prior gives to readings that it moves, over their scatter
     prior: Array  #: covariance of the change of its coefficients, internal units, shape (k, k)
@@ -45,6 +47,12 @@ class Change:
     def names(self) -> list[str]:
         """Return the names of its coefficients, without the moment that they would hold from."""
         return [one.name.partition("[")[0] for one in self.effect.coefficients]
+
+
+def called(effect: Effect) -> str:
+    """Return what an effect is called in a sentence: what follows something says what."""
+    follows = effect.driver and effect.change_of
+    return effect.pattern if follows else effect.id.replace("_", " ")
 
 
 def columns(effects: Sequence[Effect], at: Circumstances) -> tuple[Array, Array]:
@@ -105,9 +113,11 @@ def possible(
     """Return the changes to watch for, in what the past pointings show.
 
     `variance` (n, 2) is that of their readings [rad^2], infinite where none was taken; the model's
-    `terms` may also change all at once; what belongs to `departing` labels is noise.
+    `terms` may also change all at once; what belongs to `departing` labels is noise. Two effects
+    are one change where no change of the expected sizes shows which it is.
     """
     kept: list[_Kept] = []
+    own = {one.id for one in terms}
     scale = 1 / np.sqrt(variance)
     several = [together(terms)] if len(terms) > 1 and _size(terms) <= MOST_TOGETHER else []
     for whole in [*several, *members(at)]:
@@ -119,15 +129,15 @@ def possible(
         if not np.isfinite(white).all() or not white.any():
             continue
         frame = _frame(white)
-        same = next((one for one in kept if one.draws(frame) >= ALIKE), None)
+        same = next((one for one in kept if one.draws(frame) >= IDENTICAL), None)
         if same is None:
-            mount = effect.is_change or whole in several
-            kept.append(_Kept(effect, frame, [effect.id], mount))
+            mount = effect.is_change or whole in several or effect.id in own
+            kept.append(_Kept(effect, frame, [effect], mount))
         elif same.mount and same.draws(frame) > SAME and same.effect.is_change:
             # a tilt from some moment on is a tilt: the plain effect gives the name
-            same.effect, same.names[0] = effect, effect.id
-        elif effect.id not in same.names:
-            same.names.append(effect.id)
+            same.effect = same.alike[0] = effect
+        else:
+            same.alike.append(effect)
     count = Counter(one.effect.id for one in kept)
     mounts = sum(one.mount for one in kept)
     others = len({one.effect.id for one in kept if not one.mount})
@@ -136,20 +146,21 @@ def possible(
     for one in kept:
         share = MOUNT_SHARE / mounts if one.mount else rest / others
         unit = _unit(*columns([one.effect], at), variance)
-        sizes = (EXPECTED, WORKED_ON) if one.mount else (EXPECTED,)
+        sizes = (EXPECTED, WORKED_ON)
         share /= count[one.effect.id] * len(sizes)
-        names = tuple(one.names)
-        found += [Change(one.effect, names, share, size, size**2 * unit) for size in sizes]
+        alike = tuple(dict.fromkeys(each.id for each in one.alike))
+        names = alike, tuple(dict.fromkeys(map(called, one.alike)))
+        found += [Change(one.effect, *names, share, size, size**2 * unit) for size in sizes]
     return tuple(found)
 
 
 @dataclass
 class _Kept:
-    """An effect that is watched for: its directions, and the ids of those that look like it."""
+    """An effect that is watched for: its directions, and all those that look like it."""
 
     effect: Effect
     frame: Array
-    names: list[str]
+    alike: list[Effect]
     mount: bool
 
     def draws(self, frame: Array) -> float:

@@ -118,7 +118,8 @@ def take(
 
 def log_omitted(own: Composite, placed: Layout) -> Array:
     """Return what each effect that may have stood all along has come to in the watch, (M,)."""
-    return np.asarray(own.log_ratio[:-1] - own.log_ratio[-1] + placed.log_share[: placed.members])
+    share = np.where(placed.subtle, placed.log_share[: placed.members], -np.inf)
+    return np.asarray(own.log_ratio[:-1] - own.log_ratio[-1] + share)
 
 
 def settle(own: Composite) -> None:

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from scipy.special import logsumexp
 
 from pyport.angles import Array
-from pyport.watch.detection.changes import SPREAD_SHARE, Change
+from pyport.watch.detection.changes import SPREAD_SHARE, WORKED_ON, Change
 from pyport.watch.detection.null import (
     OUTLIER,
     Innovation,
@@ -56,6 +56,8 @@ class Layout:
     place: NDArray[np.intp]
     prior: Array  #: covariance of each change before any reading, (M, p, p)
     log_share: Array  #: of the budget: changes first, then `SPREADS`, (M + 3,)
+    #: Which may have stood all along, (M,): what is done to a telescope begins when it is done.
+    subtle: NDArray[np.bool_]
     columns: int  #: C
 
     @property
@@ -78,7 +80,8 @@ def layout(changes: tuple[Change, ...]) -> Layout:
         start += size
     spread = SPREAD_SHARE / len(SPREADS)
     share = np.array([*(one.share for one in changes), *([spread] * len(SPREADS))])
-    return Layout(place, prior, np.log(share / share.sum()), total)
+    subtle = np.array([one.expected < WORKED_ON for one in changes], bool)
+    return Layout(place, prior, np.log(share / share.sum()), subtle, total)
 
 
 @dataclass
@@ -289,7 +292,8 @@ def log_odds(detector: Detector, known: Layout, null: Array) -> Array:
 
     `null` (M + 1,) is what the members of the composite null have come to by now.
     """
-    best = (null - detector.stood).max(axis=1, initial=0.0)
+    stood = (null - detector.stood)[:, np.append(known.subtle, True)]
+    best = stood.max(axis=1, initial=0.0)
     return np.asarray(detector.log_mass + known.log_share - best[:, None])
 
 
