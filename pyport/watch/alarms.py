@@ -146,7 +146,7 @@ def members(names: Sequence[Names], chance: Array) -> list[tuple[Names, float]]:
     return order[: 1 + int(np.searchsorted(reached, NAMED))]
 
 
-def _list(alarm: Alarm, names: Sequence[Names], chance: Array, change: int) -> None:
+def listed(alarm: Alarm, names: Sequence[Names], chance: Array, change: int) -> None:
     """Say what an alarm could be, the change that it is taken for first."""
     found = members(names, chance)
     found.sort(key=lambda one: (one[0] != names[change], -one[1]))
@@ -204,7 +204,7 @@ def name(watch: Antenna, alarm: Alarm, every: dict[int, Alarm]) -> tuple[int, in
     of_kind = own.stays == (alarm.went_back <= HALF)
     start = int(np.argmax(np.where(of_kind, chance[:, change], -1.0)))
     alarm.back = float(own.back[start])
-    _list(alarm, names, whole, change)
+    listed(alarm, names, whole, change)
     alarm.log_ratio = total
     _date(own, alarm, start, chance)
     if change >= layout.members:
@@ -225,7 +225,7 @@ def _name_omitted(watch: Antenna, alarm: Alarm) -> int:
     chance = np.exp(joint - alarm.log_ratio)
     changes = watch.baseline.changes
     change = int(np.argmax(chance))
-    _list(alarm, [(one.alike, one.called) for one in changes], chance, change)
+    listed(alarm, [(one.alike, one.called) for one in changes], chance, change)
     size = len(changes[change].prior)
     covariance = own.covariance[0, change, :size, :size] * float(watch.null.scale.mean())
     resize(watch, alarm, change, own.mean[0, change, :size], covariance)

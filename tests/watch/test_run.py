@@ -133,6 +133,22 @@ def test_once_more_tells_nothing_new(night):
     assert (folder / "undisturbed" / EVENTS).read_text() == before
 
 
+def test_a_header_that_the_log_lacks_is_said(night, tmp_path):
+    """A past that counts azimuth from south made an alarm of a log that did not say so."""
+    folder, drawn, _ = night
+    past = (folder / "past.csv").read_text()
+    (tmp_path / "past.csv").write_text("# azimuth_zero: south\n" + past)
+    above, rows = text(drawn.watched, drawn.header)
+    above = [one for one in above if "latitude" not in one]
+    (tmp_path / "night.csv").write_text("".join([*above, *rows[:3]]))
+    done = CliRunner().invoke(program, arguments(tmp_path, tmp_path / "out"))
+
+    latitude = drawn.header["latitude_deg"]
+    assert done.stderr.count("'# azimuth_zero: south' in the past, 'north' in the log") == 1
+    assert f"'# latitude_deg: {latitude}' in the past, nothing in the log" in done.stderr
+    assert "longitude" not in done.stderr
+
+
 def test_a_quiet_night_is_said_to_be_quiet(night, tmp_path):
     """How many pointings were read, and that there is no alarm."""
     folder, drawn, _ = night

@@ -9,7 +9,7 @@ from drawn_nights import world
 import pyport
 from pyport.errors import BadInput
 from pyport.recordings.from_table import from_table
-from pyport.watch import state
+from pyport.watch import alarms, state
 
 
 @pytest.fixture(scope="module")
@@ -209,6 +209,55 @@ def test_more_scatter_is_an_alarm_of_scatter():
     (alarm,) = watch.standing
     assert alarm.effect == "scatter_el"
     assert 2 < alarm.parameters[0]["value"] < 4.5
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("effect", "column", "sigmas", "shape"),
+    [
+        ("refraction", "d_el_arcsec", 20, lambda el: 1 / np.tan(el)),
+        ("elevation_zero", "d_el_arcsec", 40, np.ones_like),
+        ("collimation", "d_xel_arcsec", 40, np.ones_like),
+    ],
+)
+def test_a_large_change_has_its_own_name(effect, column, sigmas, shape):
+    """Refraction switched off was scatter 28 times as large, an encoder's slip both zeros."""
+    quiet = world(36, step=False)
+    el = np.radians(quiet.watched["el_deg"])
+    off = sigmas * quiet.sigma * shape(el) * (np.arange(len(el)) >= 20)
+    watch = pyport.Watch(quiet.past, header=quiet.header)
+    list(watch.replay(quiet.watched | {column: quiet.watched[column] + off}))
+
+    (alarm,) = watch.standing
+    (size,) = alarm.parameters
+    assert (alarm.effect, alarm.named) == (effect, True)
+    assert abs(size["value"] - sigmas * quiet.sigma) < 4 * size["sigma"]
+
+
+def test_a_name_is_said_until_it_is_excluded():
+    """Two that are equally likely were renamed back and forth with every other row."""
+    one, other, third = (((name,), (name,)) for name in ("tilt", "sag_cosine", "refraction"))
+    alarm = alarms.Alarm(1, "", 0.0, 1)
+    said = []
+    for chances in ([0.6, 0.4, 0], [0.4, 0.6, 0], [0.6, 0.4, 0], [0, 0.4, 0.6], [0, 0.01, 0.99]):
+        alarms.listed(alarm, (one, other, third), np.array(chances), int(np.argmax(chances)))
+        said.append(alarm.news())
+
+    assert said == [True, False, False, True, True]
+    assert alarm.named
+
+
+def test_what_follows_one_thing_is_another_cause_than_what_follows_another():
+    """All that follow something were one effect, and confirmed as the likeliest of them."""
+    hour, temperature = (
+        (("driven_term",), (f"tilt follows {what}",)) for what in ("the time of day", "temperature")
+    )
+    alarm = alarms.Alarm(1, "", 0.0, 1)
+    alarms.listed(alarm, (hour, temperature), np.array([0.4, 0.6]), 1)
+
+    assert alarm.called == ["tilt follows temperature", "tilt follows the time of day"]
+    assert not alarm.named
+    assert [one["called"] for one in alarm.as_json(timed=False)["members"]] == alarm.called
 
 
 def test_another_past_s_state_is_refused(drawn, seen, tmp_path):
