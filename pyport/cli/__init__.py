@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import atexit
+import contextlib
 import gc
 import io
 import os
@@ -123,6 +124,7 @@ def main() -> None:
     except OSError as error:
         place = f"{error.filename}: " if error.filename else ""
         click.echo(f"pyport: error: {place}{error.strerror or error}", err=True)
+        _drop_standard_output()
         sys.exit(2)
     except Exception as error:  # noqa: BLE001 - whatever it is, a traceback helps no user
         _end_with_fault(error)
@@ -147,6 +149,14 @@ def _write_whole_to_standard_output() -> None:
             buffering=1,
             closefd=False,
         )
+
+
+def _drop_standard_output() -> None:
+    """Let what a full disk did not take go nowhere: written once more at the end it is status 120."""
+    with contextlib.suppress(OSError):
+        sys.stdout.flush()
+        return
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
 
 
 def _end_with_fault(error: BaseException) -> NoReturn:

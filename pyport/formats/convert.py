@@ -199,7 +199,7 @@ def _is_model(source: str, target: Path, read_as: str, write_as: str) -> bool:
 def _model(
     source: str, target: Path, given: FileOptions, write_as: str, *, leave_out: bool
 ) -> Done:
-    file = models.read(source, given.format)
+    file = _read_model(source, given.format)
     chosen = models.FORMATS.get(write_as) if write_as else models.BY_SUFFIX.get(target.suffix)
     if chosen is None or chosen.write is None:
         known = ", ".join(models.BY_SUFFIX)
@@ -218,6 +218,20 @@ def _model(
     chosen.write(done, target)
     lost = tuple(without_counterpart(file, vocabulary))
     return Done("model", sum(one.used for one in done.entries), chosen.name, lost)
+
+
+def _read_model(source: str, read_as: str) -> ModelFile:
+    """Read a model file.
+
+    Raises `BadInput`: it is none; what is a table of recordings is said to be one.
+    """
+    try:
+        return models.read(source, read_as)
+    except BadInput:
+        if read_as or models.split(source)[0].suffix.lower() not in tables.BY_SUFFIX:
+            raise
+        wanted = "a model of them is what pyport fit or diagnose --save writes"
+        raise BadInput(f"this is no pointing model; if it is recordings, {wanted}", source) from None
 
 
 def _mounted(file: ModelFile, source: str, given: FileOptions) -> Model:
