@@ -108,6 +108,7 @@ def test_hysteresis_is_drawn_against_the_move_before(look, tmp_path):
     third = len(heights) // 3
 
     assert panel.count() == 1
+    assert panel.locator("figcaption").inner_text() == "hysteresis in azimuth"
     assert min(heights[:third]) - max(heights[-third:]) > 8
 
 

@@ -54,7 +54,8 @@ function lay() {
   for (const axis of axes) add(spreads, "panel", "", (host) => spread(host, axis));
   for (const column of [moved("moved_az", "azimuth moved since the recording before", rows.az, true),
     moved("moved_el", "elevation moved since the recording before", rows.el, false)]) {
-    add(spreads, "panel", "hysteresis", (host) => against(host, column));
+    const turn = column.label.split(" ")[0];
+    add(spreads, "panel", `hysteresis in ${turn}`, (host) => against(host, column));
   }
   const first = document.getElementById("first-sky");
   add(first, "panel", `${NAMES.after}, over the sky`, (host) => sky(host, "after", true));
