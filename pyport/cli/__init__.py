@@ -152,7 +152,7 @@ def _write_whole_to_standard_output() -> None:
 
 
 def _drop_standard_output() -> None:
-    """Let what a full disk did not take go nowhere: written once more at the end it is status 120."""
+    """Drop what a full disk did not take: written again at the end it would be status 120."""
     with contextlib.suppress(OSError):
         sys.stdout.flush()
         return

@@ -231,7 +231,9 @@ def _read_model(source: str, read_as: str) -> ModelFile:
         if read_as or models.split(source)[0].suffix.lower() not in tables.BY_SUFFIX:
             raise
         wanted = "a model of them is what pyport fit or diagnose --save writes"
-        raise BadInput(f"this is no pointing model; if it is recordings, {wanted}", source) from None
+        raise BadInput(
+            f"this is no pointing model; if it is recordings, {wanted}", source
+        ) from None
 
 
 def _mounted(file: ModelFile, source: str, given: FileOptions) -> Model:

@@ -15,13 +15,15 @@ from pyport.recordings.formats import csv
 
 
 def as_csv(some: Sequence[Target]) -> str:
-    """Return targets as CSV: when, what, where, and what each decides."""
-    lines = ["time_utc,source,az_deg,el_deg,ra_deg,dec_deg,decides"]
+    """Return targets as CSV: when, what, where on the sky and on the axes, what each decides."""
+    axes = list(some[0].axes) if some else []
+    lines = [",".join(["time_utc,source,az_deg,el_deg,ra_deg,dec_deg", *axes, "decides"])]
     for one in some:
         decides = " or ".join(one.decides or ())
         where = f"{one.az_deg:.4f},{one.el_deg:.4f},{one.ra_deg:.6f},{one.dec_deg:.6f}"
         when = np.datetime64(round(one.time_s), "s")
-        lines.append(f"{when}Z,{one.source},{where},{decides}")
+        turned = (f"{one.axes[name]:.4f}" for name in axes)
+        lines.append(",".join([f"{when}Z", one.source, where, *turned, decides]))
     return "\n".join(lines) + "\n"
 
 

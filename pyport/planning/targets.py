@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -12,9 +12,10 @@ from pyport.effects.base import Circumstances, Site
 from pyport.effects.sky.frame import sun
 from pyport.errors import BadInput
 from pyport.models.model import Model
+from pyport.mounts import ALTAZ
 from pyport.planning.look import busiest, thinned
 from pyport.planning.separate import separate
-from pyport.planning.suggest import Direction, Targets, directions, suggest
+from pyport.planning.suggest import Direction, Targets, directions, suggest, within_reach
 from pyport.recordings.schema import Recordings
 from pyport.runs.workers import one_thread
 
@@ -63,6 +64,9 @@ class Target:
     ra_deg: float
     dec_deg: float
     decides: tuple[str, str] | None
+    #: The angles of a mount's axes by their columns, {} where they are those of azimuth and
+    #: elevation.
+    axes: Mapping[str, float] = field(default_factory=dict)
 
 
 def seen_from(site: Site, ra: Array, dec: Array, time_s: Array) -> tuple[Array, Array]:
@@ -121,14 +125,16 @@ def targets(
     are observed when they stand where they were chosen for, or soon after.
 
     `catalogue`: sources to choose from; without, directions all over the sky.
-    Raises `BadInput`: no site is known, or nothing is above the limits.
+    Raises `BadInput`: no site is known, or nothing is within the limits and the mount's reach.
     """
     site = recordings.at.site or model.site
     if site is None:
         raise BadInput("no latitude_deg, expected one: --set latitude_deg=...", recordings.file)
     own = recordings.take(recordings.label("antenna").astype(str) == busiest(recordings)[0])
-    made = thinned(own, model, None)
-    offered = _offered(site, limits, catalogue)
+    at, made = replace(own.at, site=site), thinned(own, model, None)
+    offered = within_reach(at, _offered(site, limits, catalogue))
+    if not len(offered.az):
+        raise BadInput(f"nothing is within the limits and the reach of {at.mount.sentence}")
     chosen, _ = suggest(made, separate(made).pairs, offered, count)
     by_name = {one.name: one for one in catalogue}
     left = list(chosen)
@@ -148,9 +154,27 @@ def targets(
         target = _at(site, limits, arrival, nearest.source, by_name, nearest.az_deg, nearest.el_deg)
         if target is None:
             continue
-        found.append(Target(arrival, nearest.source, *target, nearest.decides))
+        axes = _axes(at, *target[:2])
+        if axes is None:
+            continue
+        found.append(Target(arrival, nearest.source, *target, nearest.decides, axes))
         now, az, el = arrival + limits.dwell_s, target[0], target[1]
     return found
+
+
+def _axes(at: Circumstances, az_deg: float, el_deg: float) -> dict[str, float] | None:
+    """Return the angles of the axes by their columns, None where the mount does not reach them."""
+    mount = at.mount
+    if mount is ALTAZ:
+        return {}
+    latitude = at.latitude() if mount.needs_latitude else 0.0
+    angles = mount.angles(np.array([az_deg * DEG]), np.array([el_deg * DEG]), latitude)
+    if not mount.reaches(*angles)[0]:
+        return None
+    # a declination of date is none of the catalogue's
+    of_date = "_of_date" if mount.second.column == "dec" else ""
+    names = f"{mount.first.column}_deg", f"{mount.second.column}{of_date}_deg"
+    return {name: float(one[0] / DEG) for name, one in zip(names, angles, strict=True)}
 
 
 def _moment(limits: Limits, one: Direction) -> float:

@@ -31,6 +31,7 @@ from pyport.recordings.from_table import from_table
 
 DEG = np.pi / 180
 SITE = Site(53.0955 * DEG, 18.564 * DEG, 133.0)
+PLACE = ("az_deg", "el_deg")
 START = float(np.datetime64("2024-03-28T02:00:00", "s").astype(float))
 
 
@@ -159,6 +160,34 @@ def test_lists_are_what_telescopes_read(past):
     assert FORMATS["radec"]([one]).split() == ["3C_286", "13", "31", "08.28", "+30", "30", "33.1"]
     assert FORMATS["tpoint"]([one]).split() == [f"{one.az_deg:.4f}", f"{one.el_deg:.4f}"]
     assert FORMATS["csv"]([one]).splitlines()[1].startswith("2024-03-28T02:")
+
+
+@pytest.mark.parametrize(
+    ("kind", "columns"),
+    [("equatorial", "hour_angle_deg,dec_of_date_deg"), ("xy-ns", "x_deg,y_deg"), ("altaz", "")],
+)
+def test_other_mounts_are_given_the_angles_of_their_axes(kind, columns):
+    """And nothing that they do not reach: it was a list of azimuths and elevations."""
+    drawn = world()
+    header = drawn.header | {"latitude_deg": 53.0955, "longitude_deg": 18.6, "mount": kind}
+    past, limits = from_table(drawn.past, header), Limits(5, 85, START, START + 7200)
+    mount = past.at.mount
+    found = targets(past, load(mount.model), limits, 12)
+    angles = mount.angles(
+        *(np.array([getattr(t, k) for t in found]) * DEG for k in PLACE), SITE.latitude
+    )
+
+    assert len(found) == 12
+    assert mount.reaches(*angles).all()
+    head, *rows = FORMATS["csv"](found).splitlines()
+    assert head == f"time_utc,source,az_deg,el_deg,ra_deg,dec_deg,{columns},decides".replace(
+        ",,", ","
+    )
+    for row, one, first, second in zip(rows, found, *angles, strict=True):
+        assert list(one.axes.values()) == pytest.approx(
+            [first / DEG, second / DEG] if columns else [], abs=1e-9
+        )
+        assert len(row.split(",")) == len(head.split(","))
 
 
 def test_the_command_writes_a_list_until_sunrise(tmp_path):
