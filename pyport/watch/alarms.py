@@ -155,6 +155,13 @@ def listed(alarm: Alarm, names: Sequence[Names], chance: Array, change: int) -> 
     alarm.effect = names[change][0][0]
 
 
+def _enter(change: Change) -> str:
+    """Return what a model asks for where a change stays."""
+    if change.of_model:
+        return f"fit {change.called[0]} anew"
+    return f"the model needs a term for it: diagnose, or --add {change.effect.id}"
+
+
 def describe(alarm: Alarm, change: Change) -> None:
     """Put an alarm of an effect into words."""
     effect = change.effect
@@ -173,7 +180,7 @@ def describe(alarm: Alarm, change: Change) -> None:
     back = ", and went back" * (alarm.went_back > HALF)
     if alarm.named:
         alarm.sentence = f"{pattern}: {effect.sentence}; changed by {sizes}{back}"
-        alarm.next = f"check it at the telescope; if it stays, fit {change.called[0]} anew"
+        alarm.next = f"check it at the telescope; if it stays, {_enter(change)}"
         return
     likely = zip(alarm.called, alarm.members[:_SHOWN], strict=False)
     some = "; ".join(f"{words} ({chance:.0%})" for words, (_, chance) in likely)

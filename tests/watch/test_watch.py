@@ -232,6 +232,8 @@ def test_a_large_change_has_its_own_name(effect, column, sigmas, shape):
     (size,) = alarm.parameters
     assert (alarm.effect, alarm.named) == (effect, True)
     assert abs(size["value"] - sigmas * quiet.sigma) < 4 * size["sigma"]
+    what = "--add refraction" if effect == "refraction" else f"fit {effect.replace('_', ' ')} anew"
+    assert alarm.next.endswith(what)
 
 
 def test_a_name_is_said_until_it_is_excluded():

@@ -39,6 +39,7 @@ class Change:
     #: what they are called in a sentence.
     alike: tuple[str, ...]
     called: tuple[str, ...]
+    of_model: bool  #: whether it is of what the model has: its terms, or what they stand for
     share: float  #: of the alarms' budget
     expected: float  #: rms that the prior gives to readings that it moves, over their scatter
     prior: Array  #: covariance of the change of its coefficients, internal units, shape (k, k)
@@ -131,26 +132,28 @@ def possible(
         frame = _frame(white)
         same = next((one for one in kept if one.draws(frame) >= IDENTICAL), None)
         if same is None:
-            mount = effect.is_change or whole in several or effect.id in own
-            kept.append(_Kept(effect, frame, [effect], mount))
-        elif same.mount and same.draws(frame) > SAME and same.effect.is_change:
+            of_model = effect.is_change or whole in several or effect.id in own
+            kept.append(_Kept(effect, frame, [effect], of_model))
+        elif same.of_model and same.draws(frame) > SAME and same.effect.is_change:
             # a tilt from some moment on is a tilt: the plain effect gives the name
             same.effect = same.alike[0] = effect
         else:
             same.alike.append(effect)
     count = Counter(one.effect.id for one in kept)
-    mounts = sum(one.mount for one in kept)
-    others = len({one.effect.id for one in kept if not one.mount})
+    mounts = sum(one.of_model for one in kept)
+    others = len({one.effect.id for one in kept if not one.of_model})
     rest = 1 - SPREAD_SHARE - (MOUNT_SHARE if mounts else 0.0)
     found = []
     for one in kept:
-        share = MOUNT_SHARE / mounts if one.mount else rest / others
+        share = MOUNT_SHARE / mounts if one.of_model else rest / others
         unit = _unit(*columns([one.effect], at), variance)
         sizes = (EXPECTED, WORKED_ON)
         share /= count[one.effect.id] * len(sizes)
         alike = tuple(dict.fromkeys(each.id for each in one.alike))
         names = alike, tuple(dict.fromkeys(map(called, one.alike)))
-        found += [Change(one.effect, *names, share, size, size**2 * unit) for size in sizes]
+        found += [
+            Change(one.effect, *names, one.of_model, share, size, size**2 * unit) for size in sizes
+        ]
     return tuple(found)
 
 
@@ -161,7 +164,7 @@ class _Kept:
     effect: Effect
     frame: Array
     alike: list[Effect]
-    mount: bool
+    of_model: bool
 
     def draws(self, frame: Array) -> float:
         """Return which share of another's directions it draws; none of more or fewer."""
