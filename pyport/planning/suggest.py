@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -266,6 +266,21 @@ def within_reach(at: Circumstances, targets: Targets) -> Targets:
     source = tuple(name for name, there in zip(targets.source, reached, strict=True) if there)
     time_s = None if targets.time_s is None else targets.time_s[reached]
     return Targets(targets.az[reached], targets.el[reached], source, time_s)
+
+
+def angles_of(at: Circumstances, az_deg: float, el_deg: float) -> Mapping[str, float] | None:
+    """Return the angles of the axes by their columns, None where the mount does not reach them."""
+    mount = at.mount
+    if mount is ALTAZ:
+        return {}
+    latitude = at.latitude() if mount.needs_latitude else 0.0
+    angles = mount.angles(np.array([az_deg * DEG]), np.array([el_deg * DEG]), latitude)
+    if not mount.reaches(*angles)[0]:
+        return None
+    # a declination of date is none of the catalogue's
+    of_date = "_of_date" if mount.second.column == "dec" else ""
+    names = f"{mount.first.column}_deg", f"{mount.second.column}{of_date}_deg"
+    return {name: float(one[0] / DEG) for name, one in zip(names, angles, strict=True)}
 
 
 def of_sources(recordings: Recordings, lowest_deg: float, highest_deg: float) -> Targets | None:

@@ -8,9 +8,10 @@ from collections.abc import Iterable
 
 from pyport.angles import ARCSEC
 from pyport.effects import degeneracies
+from pyport.effects.base import Circumstances
 from pyport.effects.empirical.drivers import unit_in_words
 from pyport.planning.look import Look
-from pyport.planning.suggest import Direction
+from pyport.planning.suggest import Direction, angles_of
 from pyport.recordings.schema import as_input, counted
 from pyport.report import typed
 from pyport.thresholds import SEEN
@@ -132,9 +133,13 @@ def _untestable(look: Look) -> Iterable[str]:
         yield f"  {reason}: {', '.join(effects)}"
 
 
-def place(one: Direction) -> str:
-    """Return a direction in words."""
+def place(one: Direction, at: Circumstances) -> str:
+    """Return a direction in words: on the sky, and on the axes of another mount."""
     where = f"azimuth {one.az_deg:3.0f}, elevation {one.el_deg:2.0f}"
+    angles = zip(
+        at.mount.axes, (angles_of(at, one.az_deg, one.el_deg) or {}).values(), strict=False
+    )
+    where += "".join(f", {axis.name} {angle:.0f}" for axis, angle in angles)
     if one.hour_angle_h is None:
         return where
     return f"{one.source} at hour angle {one.hour_angle_h:+.1f} h ({where})"
@@ -143,7 +148,7 @@ def place(one: Direction) -> str:
 def _next(look: Look) -> Iterable[str]:
     for n, one in enumerate(look.next, 1):
         why = f": {one.decides[0]} or {one.decides[1]}" if one.decides else ""
-        yield f"  {n}. {place(one)}{why}"
+        yield f"  {n}. {place(one, look.recordings.at)}{why}"
 
 
 def _promises(look: Look) -> Iterable[str]:

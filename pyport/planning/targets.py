@@ -12,10 +12,16 @@ from pyport.effects.base import Circumstances, Site
 from pyport.effects.sky.frame import sun
 from pyport.errors import BadInput
 from pyport.models.model import Model
-from pyport.mounts import ALTAZ
 from pyport.planning.look import busiest, thinned
 from pyport.planning.separate import separate
-from pyport.planning.suggest import Direction, Targets, directions, suggest, within_reach
+from pyport.planning.suggest import (
+    Direction,
+    Targets,
+    angles_of,
+    directions,
+    suggest,
+    within_reach,
+)
 from pyport.recordings.schema import Recordings
 from pyport.runs.workers import one_thread
 
@@ -131,7 +137,8 @@ def targets(
     if site is None:
         raise BadInput("no latitude_deg, expected one: --set latitude_deg=...", recordings.file)
     own = recordings.take(recordings.label("antenna").astype(str) == busiest(recordings)[0])
-    at, made = replace(own.at, site=site), thinned(own, model, None)
+    at = replace(own.at, site=site)
+    made = thinned(own, model.on(at.mount), None)
     offered = within_reach(at, _offered(site, limits, catalogue))
     if not len(offered.az):
         raise BadInput(f"nothing is within the limits and the reach of {at.mount.sentence}")
@@ -154,27 +161,12 @@ def targets(
         target = _at(site, limits, arrival, nearest.source, by_name, nearest.az_deg, nearest.el_deg)
         if target is None:
             continue
-        axes = _axes(at, *target[:2])
+        axes = angles_of(at, *target[:2])
         if axes is None:
             continue
         found.append(Target(arrival, nearest.source, *target, nearest.decides, axes))
         now, az, el = arrival + limits.dwell_s, target[0], target[1]
     return found
-
-
-def _axes(at: Circumstances, az_deg: float, el_deg: float) -> dict[str, float] | None:
-    """Return the angles of the axes by their columns, None where the mount does not reach them."""
-    mount = at.mount
-    if mount is ALTAZ:
-        return {}
-    latitude = at.latitude() if mount.needs_latitude else 0.0
-    angles = mount.angles(np.array([az_deg * DEG]), np.array([el_deg * DEG]), latitude)
-    if not mount.reaches(*angles)[0]:
-        return None
-    # a declination of date is none of the catalogue's
-    of_date = "_of_date" if mount.second.column == "dec" else ""
-    names = f"{mount.first.column}_deg", f"{mount.second.column}{of_date}_deg"
-    return {name: float(one[0] / DEG) for name, one in zip(names, angles, strict=True)}
 
 
 def _moment(limits: Limits, one: Direction) -> float:

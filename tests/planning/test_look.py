@@ -15,6 +15,7 @@ from pyport.cli.observe import look as command
 from pyport.effects import catalogue
 from pyport.fitting.fit import fit
 from pyport.formats.models import load
+from pyport.mounts.equatorial import EQUATORIAL
 from pyport.planning import look
 from pyport.planning.design import cells, coverage, design
 from pyport.planning.separate import classes, separate
@@ -294,3 +295,14 @@ def test_what_the_model_takes_of_an_effect_of_known_size_is_said(tmp_path):
     assert dict(sight.taken_for) == pytest.approx(changed, abs=1e-3)
     said = text(look(made, model, noise_arcsec=10))
     assert "not seen at the size that physics gives it: " + sight.taken_for[0][0] in said
+
+
+def test_a_suggestion_for_another_mount_names_its_axes():
+    """An observer at an equatorial mount was given azimuths."""
+    made = recordings(200)
+    turned = replace(made, at=replace(made.at, mount=EQUATORIAL))
+    lines = text(look(turned, load("equatorial"))).splitlines()
+    (first,) = [one for one in lines if one.startswith("  1. ")]
+
+    assert ", hour angle " in first
+    assert ", declination " in first
