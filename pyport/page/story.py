@@ -80,8 +80,8 @@ def sky_rms(model: Model) -> tuple[tuple[str, str, str], ...]:
         return ()
     said = f"arcsec as TPOINT counts it, {made['stars']} pointings"
     if "sky_rms_arcsec" in model.details:
-        said += f"; the model's file says {model.details['sky_rms_arcsec']:.3g}"
-    return (("sky rms", f"{made['sky_rms_arcsec']:.3g}", said),)
+        said += f"; the model's file says {model.details['sky_rms_arcsec']:.4f}"
+    return (("sky rms", f"{made['sky_rms_arcsec']:.4f}", said),)
 
 
 @dataclass(frozen=True)
