@@ -44,6 +44,7 @@ def write_whole(path: str | Path, mode: str = "w") -> Iterator[IO[Any]]:
     try:
         there = path.stat() if path.exists() else None
         if there is not None and not (stat.S_ISREG(there.st_mode) or stat.S_ISDIR(there.st_mode)):
+            # mypy knows no overload of a mode and options that depend on it, here and below
             with path.open(mode, **options) as file:  # type: ignore[call-overload]
                 yield file
             return

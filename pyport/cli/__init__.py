@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import atexit
-import contextlib
 import gc
 import io
 import os
@@ -153,10 +152,10 @@ def _write_whole_to_standard_output() -> None:
 
 def _drop_standard_output() -> None:
     """Drop what a full disk did not take: written again at the end it would be status 120."""
-    with contextlib.suppress(OSError):
+    try:
         sys.stdout.flush()
-        return
-    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _end_with_fault(error: BaseException) -> NoReturn:

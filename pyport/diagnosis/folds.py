@@ -14,7 +14,8 @@ from pyport.effects.base import THE_HOUR
 from pyport.recordings.sky import clock
 from pyport.thresholds import BLOCKS, FEWEST, FOLDS, MOST_FOLDS, SEVERAL
 
-#: Stretches left out that tell how far a held-out rms may be off.
+#: Stretches left out that tell how far a held-out rms may be off: two say nothing of how they
+#: scatter.
 FEWEST_STRETCHES = 3
 
 

@@ -227,13 +227,11 @@ def _read_model(source: str, read_as: str) -> ModelFile:
     """
     try:
         return models.read(source, read_as)
-    except BadInput:
+    except BadInput as error:
         if read_as or models.split(source)[0].suffix.lower() not in tables.BY_SUFFIX:
             raise
-        wanted = "a model of them is what pyport fit or diagnose --save writes"
-        raise BadInput(
-            f"this is no pointing model; if it is recordings, {wanted}", source
-        ) from None
+        wanted = "if these are recordings, pyport fit or diagnose --save writes a model of them"
+        raise BadInput(f"{error.message}; {wanted}", error.file, error.line) from None
 
 
 def _mounted(file: ModelFile, source: str, given: FileOptions) -> Model:

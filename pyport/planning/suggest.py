@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from pyport.mounts import ALTAZ
 from pyport.planning.design import Design, cells
 from pyport.planning.separate import Pair
 from pyport.recordings import sky
+from pyport.recordings.mounted import axes_of
 from pyport.recordings.schema import Recordings
 
 #: What is known before any recording, as a share of what the recordings tell of a column.
@@ -261,20 +262,19 @@ def within_reach(at: Circumstances, targets: Targets) -> Targets:
     """Return the targets that a mount reaches; an alt-azimuth one those between elevations."""
     if at.mount is ALTAZ:
         return targets
-    latitude = at.latitude() if at.mount.needs_latitude else 0.0
-    reached = at.mount.reaches(*at.mount.angles(targets.az, targets.el, latitude))
+    reached = at.mount.reaches(*axes_of(replace(at, az=targets.az, el=targets.el)))
     source = tuple(name for name, there in zip(targets.source, reached, strict=True) if there)
     time_s = None if targets.time_s is None else targets.time_s[reached]
     return Targets(targets.az[reached], targets.el[reached], source, time_s)
 
 
-def angles_of(at: Circumstances, az_deg: float, el_deg: float) -> Mapping[str, float] | None:
+def on_axes(at: Circumstances, az_deg: float, el_deg: float) -> Mapping[str, float] | None:
     """Return the angles of the axes by their columns, None where the mount does not reach them."""
     mount = at.mount
     if mount is ALTAZ:
         return {}
-    latitude = at.latitude() if mount.needs_latitude else 0.0
-    angles = mount.angles(np.array([az_deg * DEG]), np.array([el_deg * DEG]), latitude)
+    there = replace(at, az=np.array([az_deg * DEG]), el=np.array([el_deg * DEG]))
+    angles = axes_of(there)
     if not mount.reaches(*angles)[0]:
         return None
     # a declination of date is none of the catalogue's

@@ -11,7 +11,7 @@ from pyport.effects import degeneracies
 from pyport.effects.base import Circumstances
 from pyport.effects.empirical.drivers import unit_in_words
 from pyport.planning.look import Look
-from pyport.planning.suggest import Direction, angles_of
+from pyport.planning.suggest import Direction, on_axes
 from pyport.recordings.schema import as_input, counted
 from pyport.report import typed
 from pyport.thresholds import SEEN
@@ -136,10 +136,9 @@ def _untestable(look: Look) -> Iterable[str]:
 def place(one: Direction, at: Circumstances) -> str:
     """Return a direction in words: on the sky, and on the axes of another mount."""
     where = f"azimuth {one.az_deg:3.0f}, elevation {one.el_deg:2.0f}"
-    angles = zip(
-        at.mount.axes, (angles_of(at, one.az_deg, one.el_deg) or {}).values(), strict=False
-    )
-    where += "".join(f", {axis.name} {angle:.0f}" for axis, angle in angles)
+    angles = on_axes(at, one.az_deg, one.el_deg) or {}
+    named = zip(at.mount.axes, angles.values(), strict=False)
+    where += "".join(f", {axis.name} {angle:.0f}" for axis, angle in named)
     if one.hour_angle_h is None:
         return where
     return f"{one.source} at hour angle {one.hour_angle_h:+.1f} h ({where})"

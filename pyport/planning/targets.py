@@ -17,8 +17,8 @@ from pyport.planning.separate import separate
 from pyport.planning.suggest import (
     Direction,
     Targets,
-    angles_of,
     directions,
+    on_axes,
     suggest,
     within_reach,
 )
@@ -161,7 +161,7 @@ def targets(
         target = _at(site, limits, arrival, nearest.source, by_name, nearest.az_deg, nearest.el_deg)
         if target is None:
             continue
-        axes = angles_of(at, *target[:2])
+        axes = on_axes(at, *target[:2])
         if axes is None:
             continue
         found.append(Target(arrival, nearest.source, *target, nearest.decides, axes))

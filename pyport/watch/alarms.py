@@ -146,13 +146,12 @@ def members(names: Sequence[Names], chance: Array) -> list[tuple[Names, float]]:
     return order[: 1 + int(np.searchsorted(reached, NAMED))]
 
 
-def listed(alarm: Alarm, names: Sequence[Names], chance: Array, change: int) -> None:
-    """Say what an alarm could be, the change that it is taken for first."""
-    found = members(names, chance)
-    found.sort(key=lambda one: (one[0] != names[change], -one[1]))
-    alarm.members = [(ids, each) for (ids, _), each in found]
-    alarm.called = [" or ".join(words) for (_, words), _ in found]
-    alarm.effect = names[change][0][0]
+def listed(alarm: Alarm, found: Sequence[tuple[Names, float]], chosen: Names) -> None:
+    """Say what an alarm could be, by `members`, what it is taken for first."""
+    order = sorted(found, key=lambda one: (one[0] != chosen, -one[1]))
+    alarm.members = [(ids, chance) for (ids, _), chance in order]
+    alarm.called = [" or ".join(words) for (_, words), _ in order]
+    alarm.effect = chosen[0][0]
 
 
 def _enter(change: Change) -> str:
@@ -203,7 +202,8 @@ def name(watch: Antenna, alarm: Alarm, every: dict[int, Alarm]) -> tuple[int, in
     names += [((one,), (one.replace("_", " in "),)) for one in SPREADS]
     whole = chance.sum(axis=0)
     change = int(np.argmax(whole))  # of one effect's sizes the likelier one
-    likely = {one for (alike, _), _ in members(names, whole) for one in alike}
+    found = members(names, whole)
+    likely = {one for (alike, _), _ in found for one in alike}
     for slot in watch.slots:
         if every[slot.alarm].effect in likely and chance[:, slot.change].sum() > STANDING:
             change = slot.change
@@ -211,7 +211,7 @@ def name(watch: Antenna, alarm: Alarm, every: dict[int, Alarm]) -> tuple[int, in
     of_kind = own.stays == (alarm.went_back <= HALF)
     start = int(np.argmax(np.where(of_kind, chance[:, change], -1.0)))
     alarm.back = float(own.back[start])
-    listed(alarm, names, whole, change)
+    listed(alarm, found, names[change])
     alarm.log_ratio = total
     _date(own, alarm, start, chance)
     if change >= layout.members:
@@ -232,7 +232,8 @@ def _name_omitted(watch: Antenna, alarm: Alarm) -> int:
     chance = np.exp(joint - alarm.log_ratio)
     changes = watch.baseline.changes
     change = int(np.argmax(chance))
-    listed(alarm, [(one.alike, one.called) for one in changes], chance, change)
+    names = [(one.alike, one.called) for one in changes]
+    listed(alarm, members(names, chance), names[change])
     size = len(changes[change].prior)
     covariance = own.covariance[0, change, :size, :size] * float(watch.null.scale.mean())
     resize(watch, alarm, change, own.mean[0, change, :size], covariance)

@@ -99,7 +99,7 @@ def _raise(
     watch.unchanged_covariance = watch.standing.covariance.copy()
     every[number] = Alarm(number, watch.baseline.antenna, clock, watch.rows, stood=stood)
     start, _ = name(watch, every[number], every)
-    every[number].news()
+    every[number].news()  # which the event says
     for level in watch.nulls.levels:
         if not stood:
             level.null.scale = watch.detector.before[start, :2].copy()

@@ -11,8 +11,6 @@ from diagnosis.made import recordings
 from pyport.diagnosis.diagnose import diagnose
 from pyport.formats.models import load
 from pyport.noise.estimation import departing
-from pyport.recordings.schema import stack
-from pyport.recordings.sky import with_nights
 
 
 def leaning(rows, seed, tilt):
@@ -51,13 +49,3 @@ def test_one_change_of_the_tilt_is_found():
 
     assert (found.effect, found.verdict) == ("epoch_tilt", "named")
     assert abs(int(found.variant.rpartition(" ")[2]) - 211) <= 10
-
-
-@pytest.mark.parametrize(("rows", "stretches"), [(400, 20), (1990, 100), (4000, 100)])
-def test_long_files_have_a_hundred_stretches_at_most(rows, stretches):
-    """Their columns took memory with the square of the rows: 30 GB of 200,000."""
-    made = with_nights(leaning(rows, 8, np.zeros(rows)))
-    departures = departing.possible(made, stack(made))
-
-    assert {len(one.labels) for one in departures} == {stretches, 2 * stretches}
-    assert all(np.abs(one.columns).sum(axis=0).all() for one in departures)

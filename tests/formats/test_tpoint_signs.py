@@ -11,6 +11,7 @@ from pyport.effects import Circumstances
 from pyport.errors import BadInput
 from pyport.examiner.worlds.mount import Mount, Wave, axes, readings
 from pyport.formats import models, tpoint_mod
+from pyport.formats.convert import convert
 from pyport.models.terms import field_system, tpoint
 from pyport.recordings import read
 
@@ -204,3 +205,11 @@ def test_a_first_axis_that_rises_beyond_the_zenith_is_refused(tmp_path):
     )
     with pytest.raises(BadInput, match="phi is 95 deg, expected -90 to 90"):
         models.read(path)
+
+
+def test_a_table_of_recordings_is_no_model(tmp_path):
+    """It was said to be no katpoint description, and nothing of what to do."""
+    night = tmp_path / "night.csv"
+    night.write_text("az_deg,el_deg,d_el_arcsec\n10,40,3\n")
+    with pytest.raises(BadInput, match=r"night.csv:1: .*--save writes a model of them"):
+        convert(str(night), tmp_path / "night.mod")

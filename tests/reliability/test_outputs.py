@@ -84,6 +84,22 @@ def test_a_file_that_may_not_grow_is_one_line(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full on this system")
+def test_a_full_disk_behind_standard_output_is_status_2(tmp_path):
+    """The interpreter wrote it once more at the end, and made it 120."""
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run(
+            [*TABLE, str(tmp_path / "table"), "--json"],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
+        )
+
+    assert done.returncode == 2
+    assert done.stderr == "pyport: error: No space left on device\n"
+
+
 def test_two_runs_at_once_do_not_mix(tmp_path):
     """Whoever is last wins, whole: a reader never sees a line of each."""
     path = tmp_path / "file"

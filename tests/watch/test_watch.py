@@ -242,7 +242,9 @@ def test_a_name_is_said_until_it_is_excluded():
     alarm = alarms.Alarm(1, "", 0.0, 1)
     said = []
     for chances in ([0.6, 0.4, 0], [0.4, 0.6, 0], [0.6, 0.4, 0], [0, 0.4, 0.6], [0, 0.01, 0.99]):
-        alarms.listed(alarm, (one, other, third), np.array(chances), int(np.argmax(chances)))
+        names = (one, other, third)
+        found = alarms.members(names, np.array(chances))
+        alarms.listed(alarm, found, names[int(np.argmax(chances))])
         said.append(alarm.news())
 
     assert said == [True, False, False, True, True]
@@ -255,7 +257,8 @@ def test_what_follows_one_thing_is_another_cause_than_what_follows_another():
         (("driven_term",), (f"tilt follows {what}",)) for what in ("the time of day", "temperature")
     )
     alarm = alarms.Alarm(1, "", 0.0, 1)
-    alarms.listed(alarm, (hour, temperature), np.array([0.4, 0.6]), 1)
+    found = alarms.members((hour, temperature), np.array([0.4, 0.6]))
+    alarms.listed(alarm, found, temperature)
 
     assert alarm.called == ["tilt follows temperature", "tilt follows the time of day"]
     assert not alarm.named

@@ -52,9 +52,9 @@ function lay() {
   if (across && along) add(spreads, "panel", "both axes", bullseye);
   add(spreads, "panel", "how many within", cumulative);
   for (const axis of axes) add(spreads, "panel", "", (host) => spread(host, axis));
-  for (const column of [moved("moved_az", "azimuth moved since the recording before", rows.az, true),
-    moved("moved_el", "elevation moved since the recording before", rows.el, false)]) {
-    const turn = column.label.split(" ")[0];
+  for (const [name, turn, values, wrap] of [["moved_az", "azimuth", rows.az, true],
+    ["moved_el", "elevation", rows.el, false]]) {
+    const column = moved(name, `${turn} moved since the recording before`, values, wrap);
     add(spreads, "panel", `hysteresis in ${turn}`, (host) => against(host, column));
   }
   const first = document.getElementById("first-sky");

@@ -143,11 +143,10 @@ def possible(
     mounts = sum(one.of_model for one in kept)
     others = len({one.effect.id for one in kept if not one.of_model})
     rest = 1 - SPREAD_SHARE - (MOUNT_SHARE if mounts else 0.0)
-    found = []
+    found, sizes = [], (EXPECTED, WORKED_ON)
     for one in kept:
         share = MOUNT_SHARE / mounts if one.of_model else rest / others
         unit = _unit(*columns([one.effect], at), variance)
-        sizes = (EXPECTED, WORKED_ON)
         share /= count[one.effect.id] * len(sizes)
         alike = tuple(dict.fromkeys(each.id for each in one.alike))
         names = alike, tuple(dict.fromkeys(map(called, one.alike)))

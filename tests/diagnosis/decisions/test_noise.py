@@ -586,10 +586,13 @@ def test_short_sessions_depart_in_their_zeros_alone(rows, several):
 
 @pytest.mark.parametrize(
     ("rows", "count"),
-    [(149, 0), (151, 8), (160, 8), (400, 20)],
+    [(149, 0), (151, 8), (160, 8), (400, 20), (1990, 100), (4000, 100)],
 )
 def test_stretches_of_rows_depart_where_their_order_is_all_that_is_known(rows, count):
-    """Of about twenty pointings each, eight stretches at least; a short run is one night."""
+    """Of about twenty pointings each, eight stretches to a hundred; a short run is one night.
+
+    The columns of all that a long file has took memory with the square of its rows.
+    """
     given = recordings(rows, order=np.arange(float(rows)))
     found = departing.possible(given, stack(given))
 
@@ -597,7 +600,10 @@ def test_stretches_of_rows_depart_where_their_order_is_all_that_is_known(rows, c
 
     assert {one.of for one in found} == ({"stretch"} if count else set())
     assert all(len(each) == count for each in labels)
-    assert all((each[0][:6], each[-1][-3:]) == ("rows 1", str(rows)) for each in labels)
+    assert {len(one.labels) for one in found} == ({count, 2 * count} if count else set())
+    assert all(np.abs(one.columns).sum(axis=0).all() for one in found)
+    assert all(each[0].startswith("rows 1 ") for each in labels)
+    assert all(each[-1].endswith(f" {rows}") for each in labels)
 
 
 @pytest.mark.parametrize(
